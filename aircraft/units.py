@@ -1,0 +1,55 @@
+"""Name suffix -> SI. Suffixed names occur only at the edges: files, command line, reports, JSBSim properties."""
+
+from __future__ import annotations
+
+import math
+
+SUFFIXES: dict[str, tuple[str, float]] = {
+    # suffix: (SI unit, factor to SI)
+    "m": ("m", 1.0),
+    "km": ("m", 1000.0),
+    "ft": ("m", 0.3048),
+    "nmi": ("m", 1852.0),
+    "s": ("s", 1.0),
+    "ms": ("s", 1e-3),
+    "hz": ("Hz", 1.0),
+    "mps": ("m/s", 1.0),
+    "kmh": ("m/s", 1 / 3.6),
+    "kt": ("m/s", 1852.0 / 3600.0),
+    "fpm": ("m/s", 0.3048 / 60.0),
+    "fps": ("m/s", 0.3048),
+    "mps2": ("m/s2", 1.0),
+    "g": ("m/s2", 9.80665),
+    "deg": ("rad", math.pi / 180),
+    "rad": ("rad", 1.0),
+    "degps": ("rad/s", math.pi / 180),
+    "deg_per_m": ("rad/m", math.pi / 180),
+    "deg_per_mps": ("rad/(m/s)", math.pi / 180),
+    "m2ps3": ("m2/s3", 1.0),
+    "deg2ps3": ("rad2/s3", (math.pi / 180) ** 2),
+    "deg2": ("rad2", (math.pi / 180) ** 2),
+    "kg": ("kg", 1.0),
+    "lb": ("kg", 0.45359237),
+    "lbf": ("N", 4.4482216152605),
+    "n": ("N", 1.0),
+    "db": ("dB", 1.0),
+}
+
+PREFERRED = ("m", "s", "mps", "mps2", "deg", "degps", "deg_per_m", "deg_per_mps", "m2ps3", "deg2ps3", "deg2", "kg", "hz", "db", "n")
+
+
+def spellings(name: str, unit: str) -> dict[str, float]:
+    """Every legal file key of a quantity with its factor to SI, the preferred spelling first.
+
+    Raises ``KeyError`` when no suffix has this unit.
+    """
+    found = {suffix: factor for suffix, (si, factor) in SUFFIXES.items() if si == unit}
+    if not found:
+        raise KeyError(f"no suffix for the unit '{unit}' of '{name}'")
+    first = next(suffix for suffix in (*PREFERRED, *found) if suffix in found)
+    return {f"{name}_{suffix}": found[suffix] for suffix in (first, *(s for s in found if s != first))}
+
+
+def preferred(name: str, unit: str) -> tuple[str, float]:
+    """File key and factor to SI that reports and resolved scenarios use."""
+    return next(iter(spellings(name, unit).items()))
