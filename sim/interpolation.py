@@ -1,0 +1,34 @@
+"""Motion between two records: cubic Hermite in position, so that velocity agrees at both ends."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from aircraft.state import AircraftState
+
+
+def position_at(before: AircraftState, after: AircraftState, time: float) -> np.ndarray:
+    """(north, east, height) in m at a time between two records, shape (3,)."""
+    return hermite(
+        before.time,
+        after.time,
+        np.array((before.north, before.east, before.height)),
+        np.array((after.north, after.east, after.height)),
+        np.array((before.velocity_north, before.velocity_east, before.velocity_up)),
+        np.array((after.velocity_north, after.velocity_east, after.velocity_up)),
+        time,
+    )
+
+
+def hermite(t0: Any, t1: Any, p0: Any, p1: Any, v0: Any, v1: Any, time: Any) -> Any:
+    """Cubic through two points with given slopes; arguments broadcast."""
+    h = t1 - t0
+    s = (time - t0) / h
+    return (
+        (2 * s**3 - 3 * s**2 + 1) * p0
+        + (s**3 - 2 * s**2 + s) * h * v0
+        + (-2 * s**3 + 3 * s**2) * p1
+        + (s**3 - s**2) * h * v1
+    )

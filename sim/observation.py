@@ -1,0 +1,68 @@
+"""observe(): sensors watch a recorded flight by the very steps that they take in the loop."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from aircraft.state import AircraftState
+from sim.flight import Flight
+from sim.randomness import Streams
+from tracking.track import Measurements
+
+
+class SensorRecord(NamedTuple):
+    """All looks of one sensor at one flight."""
+
+    channels: tuple[str, ...]
+    time: np.ndarray  # (k,) s
+    arrival: np.ndarray  # (k,) s
+    z: np.ndarray  # (k, m, draws)
+    R: np.ndarray  # (k, m, m)
+
+
+def observe(
+    flight: Flight, sensors: dict[str, Any], seed: int, number: int = 0, draws: int = 1
+) -> dict[str, SensorRecord]:
+    """What every sensor measures along a flight, ``draws`` times with independent noise."""
+    return {name: _watch(flight, sensor, Streams(seed, number, draws, name)) for name, sensor in sensors.items()}
+
+
+def _watch(flight: Flight, sensor: Any, streams: Streams) -> SensorRecord:
+    records = [AircraftState(*row) for row in np.column_stack(flight.state).tolist()]
+    state, looks = sensor.begin(records[0].time, streams), []
+    for before, after in zip(records, records[1:], strict=False):
+        state, seen = sensor.step(state, before, after)
+        looks += seen
+    m = len(sensor.channels)
+    if not looks:
+        return SensorRecord(
+            sensor.channels, np.empty(0), np.empty(0), np.empty((0, m, streams.draws)), np.empty((0, m, m))
+        )
+    time, arrival, z, R = (np.array(column) for column in zip(*looks, strict=True))
+    return SensorRecord(sensor.channels, time, arrival, z, R)
+
+
+def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> Measurements:
+    """The looks of several sensors at the union of their epochs, NaN where a sensor was silent."""
+    chosen = [(name, records[name]) for name in sensors]
+    channels = tuple(f"{name}.{channel}" for name, record in chosen for channel in record.channels)
+    draws = chosen[0][1].z.shape[2]
+    stamps = np.concatenate([np.column_stack((r.arrival, r.time)) for _, r in chosen])
+    stamps = np.unique(stamps, axis=0)
+    k, m = len(stamps), len(channels)
+    z, R = np.full((k, m, draws), np.nan), np.zeros((k, m, m))
+    R[:, range(m), range(m)] = 1.0
+    row = 0
+    for _, record in chosen:
+        n = len(record.channels)
+        place = np.searchsorted(_sortable(stamps), _sortable(np.column_stack((record.arrival, record.time))))
+        z[place, row : row + n] = record.z
+        R[place, row : row + n, row : row + n] = record.R
+        row += n
+    return Measurements(channels, stamps[:, 1], stamps[:, 0], z, R)
+
+
+def _sortable(stamps: np.ndarray) -> np.ndarray:
+    return stamps[:, 0] + 1j * stamps[:, 1]  # complex numbers sort by their real part first

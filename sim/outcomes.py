@@ -1,0 +1,99 @@
+"""How a flight ends: the first of these that is met wins, and none of them is an exception."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from aircraft.state import STANDARD_GRAVITY, AircraftState
+from autopilot.route import Route
+
+LONGEST_FLIGHT = 1800.0  # s
+TOUCHDOWN_BOX = (60.0, 823.0)  # m past the threshold [CS AWO.A.ALS.106, from memory]
+HARDEST_LANDING = 3.05  # m/s, 10 ft/s, the limit sink of the landing gear [CS 25.473]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What ends a flight."""
+
+    until: float | None  # s
+    runway: Any  # sim.tables.Runway: where the touchdown box lies
+    stall_angle: float = math.radians(20.0)  # rad
+    bank: float = math.radians(60.0)
+    load_factor: float = 3.0
+
+
+class Judge:
+    """Watches one flight; called once per record, cheap, with what it must remember between records."""
+
+    def __init__(self, limits: Limits, route: Route) -> None:
+        self.limits, self.route = limits, route
+        self.end = LONGEST_FLIGHT if limits.until is None else min(limits.until, LONGEST_FLIGHT)
+        self.leg, self.turned, self.course = -1, 0.0, 0.0
+        self.start_offset = 0.0
+        self.outside_since: float | None = None
+        self.sink = 0.0
+
+    def __call__(self, state: AircraftState, pilot: Any) -> tuple[str, str] | None:
+        """(outcome, reason) once the flight is over, else None."""
+        if state.main_wheels > 0.0 or state.height < -1.0:
+            verdict = self._contact(state)
+            if verdict is not None:
+                return verdict
+        else:
+            self.sink = -state.velocity_up
+        course = math.atan2(state.velocity_east, state.velocity_north)
+        if pilot.leg != self.leg:
+            self.leg, self.turned = pilot.leg, 0.0
+            self.start_offset = abs(self._cross_track(state))
+        else:
+            self.turned += math.remainder(course - self.course, 2 * math.pi)
+        self.course = course
+        if abs(self.turned) > 3 * math.pi:
+            return "orbit", f"turned {math.degrees(abs(self.turned)):.0f} deg within leg {self.leg}"
+        offset = self._cross_track(state)
+        if abs(offset) > 3 * self.start_offset + 5000:
+            return "diverged", f"{abs(offset):.0f} m off leg {self.leg}, {self.start_offset:.0f} m at its start"
+        return self._envelope(state) or self._ended(state, pilot)
+
+    def _cross_track(self, state: AircraftState) -> float:
+        leg = self.route.legs[self.leg]
+        c, s = math.cos(leg.course), math.sin(leg.course)
+        return (state.east - leg.start[1]) * c - (state.north - leg.start[0]) * s
+
+    def _contact(self, state: AircraftState) -> tuple[str, str] | None:
+        past, across = self.limits.runway.from_local(state.north, state.east)
+        where = f"{past:.0f} m past the threshold, {abs(across):.1f} m off the centreline, sink {self.sink:.2f} m/s"
+        in_box = TOUCHDOWN_BOX[0] <= past <= TOUCHDOWN_BOX[1]
+        if not in_box or self.sink > HARDEST_LANDING or state.height < -1.0:
+            return "ground", f"touched the ground {where}"
+        return ("landed", f"landed {where}") if state.main_wheels >= 1.0 else None
+
+    def _envelope(self, state: AircraftState) -> tuple[str, str] | None:
+        load = math.hypot(state.specific_force_right, state.specific_force_down) / STANDARD_GRAVITY
+        limits = self.limits
+        outside = (
+            abs(state.bank) > limits.bank or load > limits.load_factor or state.angle_of_attack > limits.stall_angle
+        )
+        if not outside:
+            self.outside_since = None
+            return None
+        if self.outside_since is None:
+            self.outside_since = state.time
+        if state.time - self.outside_since < 1.0:
+            return None
+        return "envelope", (
+            f"bank {math.degrees(state.bank):.0f} deg, load factor {load:.1f}, "
+            f"angle of attack {math.degrees(state.angle_of_attack):.0f} deg for 1 s"
+        )
+
+    def _ended(self, state: AircraftState, pilot: Any) -> tuple[str, str] | None:
+        if pilot.finished:
+            return pilot.finished, f"at {state.time:.0f} s"
+        if state.time >= self.end - 1e-9:
+            if self.limits.until is not None and self.limits.until <= LONGEST_FLIGHT:
+                return "completed", f"flown until {state.time:.0f} s"
+            return "time_limit", f"still flying after {state.time:.0f} s"
+        return None

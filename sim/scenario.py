@@ -1,0 +1,420 @@
+"""TOML -> Scenario: everything checked, all faults of a file told at once, SI inside."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+import typing
+from dataclasses import dataclass, field
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
+
+from aircraft.units import SUFFIXES
+from sim import catalogue
+from sim.errors import ScenarioError, did_you_mean
+from sim.parameters import construct, dump, model_of, parameters
+from sim.tables import (
+    AircraftChoice,
+    AutopilotTable,
+    Check,
+    LegsTable,
+    PatternTable,
+    Runway,
+    Start,
+    WindTable,
+)
+
+LARGEST_FILE = 1 << 20  # bytes; a scenario is a page of text
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
+ROUTES = {"pattern": PatternTable, "legs": LegsTable}
+LAW_GIVEN = ("bank_limit",)  # stands in [autopilot] itself
+DEFAULTS: dict[str, Any] = {"seed": 1, "flights": 1, "draws": 130, "until_s": None}
+
+
+@dataclass(frozen=True)
+class TrackerChoice:
+    """One tracker of a scenario: its kind, what it listens to, who hands over, and the law it is told."""
+
+    kind: str
+    sensors: tuple[str, ...]
+    handover: str | None
+    table: dict[str, Any]  # its own parameters, validated, as spelled in the file
+    law: dict[str, float]  # absolute values in SI, or <field>_factor; empty = the law that flies
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A validated experiment; values in SI."""
+
+    name: str
+    seed: int
+    flights: int
+    draws: int
+    until: float | None
+    runway: Runway
+    aircraft: AircraftChoice
+    start: Start
+    route: PatternTable | LegsTable
+    autopilot: AutopilotTable
+    mode: str  # kind of law, a file of autopilot/modes
+    law: dict[str, float]  # what the file sets of it, SI; the rest is designed
+    designed: dict[str, Any] | None  # gains as they travel to workers
+    wind: WindTable
+    sensors: dict[str, Any]
+    trackers: dict[str, TrackerChoice]
+    checks: tuple[Check, ...]
+    tables: dict[str, Any] = field(repr=False)  # the resolved file
+
+
+def read(source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Scenario:
+    """A scenario from a file, a bundled name or a dict of tables, with ``table.key`` overrides.
+
+    Raises ``ScenarioError`` with one line for each fault.
+    """
+    origin, tables = _load(source)
+    for address, value in (overrides or {}).items():
+        tables = override(tables, address, value)
+    return _build(origin, tables)
+
+
+def override(tables: dict[str, Any], address: str, value: Any) -> dict[str, Any]:
+    """The tables with one value replaced; another spelling of the same value is taken out."""
+    head, _, rest = address.partition(".")
+    if not head:
+        raise ScenarioError(f"--set {address}: the key is empty; write table.key=value")
+    if rest:
+        inner = tables.get(head, {})
+        if isinstance(inner, list):
+            index, _, below = rest.partition(".")
+            if not index.isdigit() or int(index) >= len(inner):
+                raise ScenarioError(f"--set {address}: [[{head}]] has entries 0 to {len(inner) - 1}")
+            items = list(inner)
+            items[int(index)] = override(items[int(index)], below, value) if below else value
+            return {**tables, head: items}
+        if not isinstance(inner, dict):
+            raise ScenarioError(f"--set {address}: '{head}' is a value, not a table")
+        return {**tables, head: override(inner, rest, value)}
+    kept = {key: old for key, old in tables.items() if key == head or _stem(key) != _stem(head)}
+    return {**kept, head: value}
+
+
+def _stem(key: str) -> str:
+    """A key without its unit suffix."""
+    endings = [suffix for suffix in SUFFIXES if key.endswith(f"_{suffix}")]
+    return key[: -len(max(endings, key=len)) - 1] if endings else key
+
+
+def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    if isinstance(source, dict):
+        return "scenario", source
+    path = Path(source)
+    bundled = catalogue.scenarios()
+    if str(source) in bundled:
+        text = (resources.files("sim.scenarios") / f"{source}.toml").read_bytes()
+        origin = f"{source}.toml"
+    elif path.is_file():
+        if path.stat().st_size > LARGEST_FILE:
+            raise ScenarioError(f"{path}: larger than {LARGEST_FILE} bytes, which no scenario is")
+        try:
+            text = path.read_bytes()
+        except OSError as error:
+            raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from None
+        origin = str(path)
+    elif path.suffix == ".toml" or path.is_dir() or "/" in str(source):
+        raise ScenarioError(f"{path}: no such file")
+    else:
+        raise ScenarioError(f"no scenario '{source}': {did_you_mean(str(source), bundled)}")
+    try:
+        return origin, {
+            "name": path.name.removesuffix(".toml").removesuffix(".scenario"),
+            **tomllib.loads(text.decode()),
+        }
+    except UnicodeDecodeError:
+        raise ScenarioError(f"{origin}: not UTF-8 text; save the file as UTF-8") from None
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{origin}: not TOML: {error}") from None
+    except RecursionError:
+        raise ScenarioError(f"{origin}: not TOML: nested too deeply") from None
+
+
+# ---- the pydantic model of one file ------------------------------------------------------------------------------
+
+
+class TrackerTable(BaseModel):
+    """The keys that every tracker's table has beside its own."""
+
+    model_config = ConfigDict(extra="forbid")
+    sensors: list[str] | None = None
+    handover: str | None = None
+    law: dict[str, Annotated[float, Field(allow_inf_nan=False)]] | None = None
+
+
+def _tracker_model(kind: str) -> type[BaseModel]:
+    own = model_of(catalogue.load("trackers", kind), kind)
+    return create_model(f"{kind}_tracker", __base__=(TrackerTable, own))
+
+
+def _autopilot_model(mode: str) -> type[BaseModel]:
+    law = model_of(catalogue.load("modes", mode), partial=True, without=LAW_GIVEN)
+    return create_model(
+        f"{mode}_autopilot", __base__=model_of(AutopilotTable, mode, defaulted_kind=True), law=(law | None, None)
+    )
+
+
+def _route_model(kind: str) -> type[BaseModel]:
+    return model_of(ROUTES[kind], kind, defaulted_kind=kind == "pattern")
+
+
+def _file_model(parts: dict[str, Any]) -> type[BaseModel]:
+    """The model of a whole file; ``parts`` gives the types of the tables that have kinds."""
+    text = Annotated[str, Field(pattern=f"^{NAME.pattern}$")]
+    return create_model(
+        "Scenario",
+        __config__=ConfigDict(extra="forbid"),
+        name=(text, ...),
+        seed=(Annotated[int, Field(strict=True, ge=0, lt=2**63)], 1),
+        flights=(Annotated[int, Field(strict=True, ge=1, le=100_000)], 1),
+        draws=(Annotated[int, Field(strict=True, ge=1, le=100_000)], 130),
+        until_s=(Annotated[float, Field(gt=0, le=1800, allow_inf_nan=False)] | None, None),
+        runway=(model_of(Runway), None),
+        aircraft=(model_of(AircraftChoice), None),
+        start=(model_of(Start), None),
+        wind=(model_of(WindTable), None),
+        designed=(dict[str, Any] | None, None),
+        checks=(list[model_of(Check)], []),  # type: ignore[misc]
+        **parts,
+    )
+
+
+def schema() -> dict[str, Any]:
+    """JSON Schema of a scenario file over all kinds that there are."""
+
+    def union(models: list[type[BaseModel]]) -> Any:
+        return models[0] if len(models) == 1 else typing.Union[tuple(models)]  # noqa: UP007 (built at run time)
+
+    sensors = union([model_of(catalogue.load("sensors", kind), kind) for kind in catalogue.kinds("sensors")])
+    trackers = union([_tracker_model(kind) for kind in catalogue.kinds("trackers")])
+    parts = {
+        "route": (union([_route_model(kind) for kind in ROUTES]), None),
+        "autopilot": (union([_autopilot_model(mode) for mode in catalogue.kinds("modes")]), None),
+        "sensors": (dict[str, sensors], {}),
+        "trackers": (dict[str, trackers], {}),
+    }
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_file_model(parts).model_json_schema()}
+
+
+def _kind(table: Any, default: str | None) -> str | None:
+    return table.get("kind", default) if isinstance(table, dict) else default
+
+
+def _parts(tables: dict[str, Any], faults: list[str]) -> dict[str, Any]:
+    """Types of the tables with kinds, for the kinds that this file uses."""
+    parts: dict[str, Any] = {}
+    for table, default, allowed, build in (
+        ("route", "pattern", list(ROUTES), _route_model),
+        ("autopilot", "lateral_navigation", catalogue.kinds("modes"), _autopilot_model),
+    ):
+        kind = _kind(tables.get(table, {}), default)
+        if kind not in allowed:
+            faults.append(f"[{table}] kind: no kind '{kind}'; {did_you_mean(str(kind), allowed)}")
+            parts[table] = (Any, None)
+        else:
+            parts[table] = (build(kind), None)
+    for family, build in (("sensors", None), ("trackers", _tracker_model)):
+        members: dict[str, Any] = {}
+        named = tables.get(family, {})
+        for name, table in named.items() if isinstance(named, dict) else ():
+            kind = _kind(table, None)
+            if not NAME.fullmatch(name):
+                faults.append(f"[{family}.{name}]: a name starts with a letter and has letters, digits, _ and -")
+            if not isinstance(table, dict):
+                faults.append(f"[{family}] {name}: must be a table with a 'kind'")
+                members[name] = (Any, ...)
+            elif kind not in catalogue.kinds(family):
+                told = f"no kind '{kind}'; {did_you_mean(str(kind), catalogue.kinds(family))}" if kind else "is missing"
+                faults.append(f"[{family}.{name}] kind: {told}")
+                members[name] = (Any, ...)
+            else:
+                members[name] = (build(kind) if build else model_of(catalogue.load(family, kind), kind), ...)
+        parts[family] = (create_model(family, __config__=ConfigDict(extra="forbid"), **members), {})
+    return parts
+
+
+def _build(origin: str, tables: dict[str, Any]) -> Scenario:
+    faults: list[str] = []
+    model = _file_model(_parts(tables, faults))
+    try:
+        model.model_validate(tables)
+    except ValidationError as error:
+        faults += [_fault(model, tables, item) for item in error.errors()]
+    if faults:
+        raise ScenarioError("\n".join(f"{origin}: {fault}" for fault in dict.fromkeys(faults)))
+
+    def table(name: str, cls: type) -> Any:
+        return _construct(faults, f"[{name}]", cls, tables.get(name, {}))
+
+    runway = table("runway", Runway) or Runway()
+    route_kind = _kind(tables.get("route", {}), "pattern")
+    mode = _kind(tables.get("autopilot", {}), "lateral_navigation") or ""
+    autopilot_table = {k: v for k, v in tables.get("autopilot", {}).items() if k != "law"}
+    law_class = catalogue.load("modes", mode)
+    law_table = tables.get("autopilot", {}).get("law", {})
+    sensors = {
+        name: _construct(faults, f"[sensors.{name}]", catalogue.load("sensors", entry["kind"]), entry, runway=runway)
+        for name, entry in tables.get("sensors", {}).items()
+    }
+    trackers = {name: _tracker(faults, name, entry, tables) for name, entry in tables.get("trackers", {}).items()}
+    scenario = {
+        "name": tables["name"],
+        "seed": tables.get("seed", DEFAULTS["seed"]),
+        "flights": tables.get("flights", DEFAULTS["flights"]),
+        "draws": tables.get("draws", DEFAULTS["draws"]),
+        "until": tables.get("until_s"),
+        "runway": runway,
+        "aircraft": table("aircraft", AircraftChoice),
+        "start": table("start", Start),
+        "route": table("route", ROUTES[route_kind or "pattern"]),
+        "autopilot": _construct(faults, "[autopilot]", AutopilotTable, autopilot_table),
+        "mode": mode,
+        "law": {
+            p.attribute: law_table[key] * factor
+            for p in parameters(law_class)
+            for key, factor in p.keys.items()
+            if law_table.get(key) is not None
+        },
+        "designed": tables.get("designed"),
+        "wind": table("wind", WindTable),
+        "sensors": sensors,
+        "trackers": trackers,
+        "checks": tuple(
+            _construct(faults, f"[[checks]] entry {i}", Check, entry)
+            for i, entry in enumerate(tables.get("checks", []))
+        ),
+    }
+    navigation = tables.get("autopilot", {}).get("navigation", "truth")
+    if navigation != "truth" and navigation not in trackers:
+        faults.append(
+            f"[autopilot] navigation: no tracker '{navigation}'; {did_you_mean(navigation, ['truth', *trackers])}"
+        )
+    if faults:
+        raise ScenarioError("\n".join(f"{origin}: {fault}" for fault in faults))
+    return Scenario(**scenario, tables=_resolved(tables, scenario))
+
+
+def _construct(faults: list[str], place: str, cls: type, table: dict[str, Any], **given: Any) -> Any:
+    try:
+        return construct(cls, table, **given)
+    except ValueError as error:
+        faults.append(f"{place} {error}")
+        return None
+
+
+def _tracker(faults: list[str], name: str, table: dict[str, Any], tables: dict[str, Any]) -> TrackerChoice:
+    sensors, others = tables.get("sensors", {}), tables.get("trackers", {})
+    wanted = table.get("sensors", list(sensors))
+    for sensor in wanted:
+        if sensor not in sensors:
+            faults.append(f"[trackers.{name}] sensors: no sensor '{sensor}'; {did_you_mean(sensor, sensors)}")
+    if not wanted:
+        faults.append(f"[trackers.{name}] sensors: a tracker needs at least one sensor")
+    handover = table.get("handover")
+    if handover is not None and (handover not in others or handover == name):
+        rest = [other for other in others if other != name]
+        faults.append(f"[trackers.{name}] handover: no other tracker '{handover}'; {did_you_mean(handover, rest)}")
+    own = {k: v for k, v in table.items() if k not in ("kind", "sensors", "handover", "law")}
+    return TrackerChoice(table["kind"], tuple(wanted), handover, own, table.get("law", {}))
+
+
+def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
+    """The file with every default written out, the user's own spellings kept."""
+    out: dict[str, Any] = {key: built[key] for key in ("name", "seed", "flights", "draws")}
+    out["until_s"] = built["until"]
+    for name in ("runway", "aircraft", "start", "route", "autopilot", "wind"):
+        given = tables.get(name, {})
+        kind = {"route": _kind(given, "pattern"), "autopilot": built["mode"]}.get(name)
+        law = {"law": given["law"]} if "law" in given else {}
+        out[name] = ({"kind": kind} if kind else {}) | _completed(built[name], given) | law
+    out["designed"] = tables.get("designed")
+    out["sensors"] = {
+        name: {"kind": tables["sensors"][name]["kind"]} | _completed(sensor, tables["sensors"][name])
+        for name, sensor in built["sensors"].items()
+    }
+    out["trackers"] = {
+        name: {**tables["trackers"][name], "sensors": list(choice.sensors)}
+        for name, choice in built["trackers"].items()
+    }
+    out["checks"] = list(tables.get("checks", []))
+    return out
+
+
+def _completed(instance: Any, given: dict[str, Any]) -> dict[str, Any]:
+    table: dict[str, Any] = {}
+    defaults = dump(instance)
+    for parameter in parameters(type(instance)):
+        used = [key for key in parameter.keys if key in given]
+        key = used[0] if used else next(iter(parameter.keys))
+        if used or key in defaults:
+            table[key] = given[key] if used else defaults[key]
+    return table
+
+
+# ---- faults in the user's words ----------------------------------------------------------------------------------
+
+
+def _fault(model: type[BaseModel], tables: dict[str, Any], item: Any) -> str:
+    location = list(item["loc"])
+    if item["type"] == "extra_forbidden":
+        place, key = location[:-1], str(location[-1])
+        allowed = _keys(model, place)
+        same = [name for name in allowed if _stem(name) == _stem(key)]
+        hint = f"write it as {' or '.join(same[:3])}" if same and _stem(key) != key else did_you_mean(key, allowed)
+        if same and _stem(key) == key and key not in allowed:
+            hint = f"it needs its unit: {' or '.join(same[:3])}"
+        return f"{_place(place)}{key}: no such key; {hint}"
+    value = item.get("input")
+    shown = f" (got {value!r})" if isinstance(value, str | int | float | bool) else ""
+    message = item["msg"].removeprefix("Value error, ")
+    plain = {
+        "missing": "is missing",
+        "finite_number": "must be a finite number",
+        "float_type": "must be a number",
+        "int_type": "must be a whole number",
+        "bool_type": "must be true or false",
+    }.get(item["type"], message[0].lower() + message[1:])
+    keys = [part for part in location if not (isinstance(part, str) and part.startswith(("function-", "constrained-")))]
+    if item["type"] == "value_error":
+        return f"{_place(keys)}{plain}"
+    return f"{_place(keys[:-1])}{keys[-1] if keys else ''}: {plain}{shown}"
+
+
+def _place(location: list[Any]) -> str:
+    if not location:
+        return ""
+    tables = [str(part) for part in location if isinstance(part, str) and "[" not in part]
+    numbers = [f" entry {part}" for part in location if isinstance(part, int)]
+    return f"[{'.'.join(tables)}]{''.join(numbers)} "
+
+
+def _keys(model: Any, place: list[Any]) -> list[str]:
+    """Legal keys of the table at ``place``."""
+    for part in place:
+        if isinstance(part, int):
+            continue
+        fields = getattr(model, "model_fields", {})
+        if part not in fields:
+            return []
+        model = _model_in(fields[part].annotation)
+    return [key for key in getattr(model, "model_fields", {}) if not key.startswith("_")]
+
+
+def _model_in(annotation: Any) -> Any:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    for argument in typing.get_args(annotation):
+        found = _model_in(argument)
+        if found is not None:
+            return found
+    return None

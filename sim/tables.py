@@ -1,0 +1,196 @@
+"""The tables of a scenario file as parameter classes; values in SI, angles in radians."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Runway:
+    """Where the threshold is and how the runway lies; the frame in which sensors and legs are placed."""
+
+    latitude: Annotated[float, "rad"] = math.radians(50.0)
+    longitude: Annotated[float, "rad"] = math.radians(30.0)
+    elevation: Annotated[float, "m"] = 0.0
+    heading: Annotated[float, "rad"] = 0.0
+    glide_path: Annotated[float, "rad"] = math.radians(8.0 / 3.0)
+    aiming_point: Annotated[float, "m"] = 300.0
+
+    def __post_init__(self) -> None:
+        if not abs(self.latitude) <= math.radians(85):
+            raise ValueError("latitude must be within 85 degrees of the equator: the local metric fails near a pole")
+        if not 0 < self.glide_path <= math.radians(10):
+            raise ValueError("glide_path must be above 0 and at most 10 degrees")
+
+    def to_local(self, past_threshold: Any, right: Any) -> tuple[Any, Any]:
+        """(north, east) of a point given along and to the right of the runway, m."""
+        c, s = math.cos(self.heading), math.sin(self.heading)
+        return past_threshold * c - right * s, past_threshold * s + right * c
+
+    def from_local(self, north: Any, east: Any) -> tuple[Any, Any]:
+        """(past threshold, right of the centreline) of a local point, m."""
+        c, s = math.cos(self.heading), math.sin(self.heading)
+        return north * c + east * s, east * c - north * s
+
+
+@dataclass(frozen=True)
+class AircraftChoice:
+    """Which aircraft flies: a bundled or stock model by name, a folder, or ``point_mass``."""
+
+    model: str = "point_mass"
+    mass: Annotated[float | None, "kg"] = None
+    centre_of_gravity_mac: float | None = None
+    factors: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.mass is not None and self.mass <= 0:
+            raise ValueError("mass must be above 0")
+        for name, factor in self.factors.items():
+            if not math.isfinite(factor) or factor <= 0:
+                raise ValueError(f"factors.{name} must be a finite number above 0")
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a flight begins: on a phase of the pattern or a leg, before its end, beside it."""
+
+    phase: str | None = None
+    leg: int | None = None
+    distance: Annotated[float | None, "m"] = None  # to go to the end of the leg; absent = the whole leg
+    cross_track: Annotated[float, "m"] = 0.0
+    speed: Annotated[float | None, "m/s"] = None  # airspeed; absent = the leg's
+    height: Annotated[float | None, "m"] = None  # absent = the leg's
+
+    def __post_init__(self) -> None:
+        if self.phase is not None and self.leg is not None:
+            raise ValueError("say 'phase' (pattern) or 'leg' (legs), not both")
+        if self.speed is not None and self.speed <= 0:
+            raise ValueError("speed must be above 0")
+        if self.height is not None and self.height <= 0:
+            raise ValueError("height must be above 0: a flight starts above the ground")
+        if self.distance is not None and self.distance <= 0:
+            raise ValueError("distance must be above 0")
+
+
+@dataclass(frozen=True)
+class PatternTable:
+    """The landing pattern: downwind, base, final, glide path [Volovyk 2022, experiment]."""
+
+    side: Literal["left", "right"] = "left"
+    height: Annotated[float, "m"] = 400.0
+    downwind_abeam: Annotated[float, "m"] = 7000.0
+    base_distance: Annotated[float, "m"] = 13800.0  # before the aiming point
+    downwind_speed: Annotated[float, "m/s"] = 72.0
+    turn_speed: Annotated[float, "m/s"] = 69.0
+    approach_speed: Annotated[float, "m/s"] = 58.0
+    deceleration: Annotated[float, "m/s2"] = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("height", "downwind_abeam", "base_distance", "downwind_speed", "turn_speed", "approach_speed"):
+            if getattr(self, name) <= 0:
+                raise ValueError(f"{name} must be above 0")
+        if self.deceleration <= 0:
+            raise ValueError("deceleration must be above 0")
+
+
+@dataclass(frozen=True)
+class LegTable:
+    """One straight leg between two points (north, east) from the threshold."""
+
+    from_: Annotated[tuple[float, float], "m"]
+    to: Annotated[tuple[float, float], "m"]
+    speed: Annotated[float, "m/s"]
+    height: Annotated[float, "m"]
+
+    def __post_init__(self) -> None:
+        if self.from_ == self.to:
+            raise ValueError("a leg needs two different points")
+        if self.speed <= 0 or self.height <= 0:
+            raise ValueError("speed and height of a leg must be above 0")
+
+
+@dataclass(frozen=True)
+class LegsTable:
+    """A route of straight legs."""
+
+    legs: tuple[LegTable, ...]
+
+    def __post_init__(self) -> None:
+        if not self.legs:
+            raise ValueError("a route needs at least one leg")
+        for i, (before, after) in enumerate(zip(self.legs, self.legs[1:], strict=False)):
+            if not np.allclose(before.to, after.from_, atol=1.0):
+                raise ValueError(f"leg {i} ends {before.to}, leg {i + 1} begins {after.from_}: legs must join")
+
+
+@dataclass(frozen=True)
+class AutopilotTable:
+    """The route autopilot: which law, its limits, and what it navigates on."""
+
+    bank_limit: Annotated[float, "rad"] = math.radians(15.0)
+    roll_rate_limit: Annotated[float, "rad/s"] = math.radians(5.0)
+    navigation: str = "truth"
+    allow_orbit: bool = False
+
+    def __post_init__(self) -> None:
+        if not 0 < self.bank_limit <= math.radians(60):
+            raise ValueError("bank_limit must be above 0 and at most 60 degrees")
+        if not 0 < self.roll_rate_limit <= math.radians(90):
+            raise ValueError("roll_rate_limit must be above 0 and at most 90 degrees per second")
+
+
+INTENSITIES = {"light": 15.0, "moderate": 30.0, "severe": 45.0}  # kt at 20 ft [MIL-F-8785C, low-altitude model]
+
+
+@dataclass(frozen=True)
+class WindTable:
+    """Steady wind, and Dryden turbulence whose intensity does not depend on it."""
+
+    from_: Annotated[float, "rad"] = 0.0
+    speed: Annotated[float, "m/s"] = 0.0
+    turbulence: Literal["none", "light", "moderate", "severe"] = "none"
+    w20: Annotated[float | None, "m/s"] = None
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.speed <= 100:
+            raise ValueError("speed must lie within 0 and 100 m/s")
+        if self.w20 is not None and self.turbulence != "none":
+            raise ValueError("say 'turbulence' or 'w20_kt', not both")
+        if self.w20 is not None and not 0 < self.w20 <= 50:
+            raise ValueError("w20 must be above 0 and at most 50 m/s")
+
+    @property
+    def steady(self) -> tuple[float, float]:
+        """The way the air moves, m/s (north, east)."""
+        return -self.speed * math.cos(self.from_), -self.speed * math.sin(self.from_)
+
+    @property
+    def intensity(self) -> float:
+        """Mean wind at 20 ft that sets the turbulence, m/s; 0 = smooth air."""
+        return self.w20 if self.w20 is not None else INTENSITIES.get(self.turbulence, 0.0) * 1852.0 / 3600.0
+
+
+@dataclass(frozen=True)
+class Check:
+    """What a flight must keep: a metric, when, how long it may be broken, its limit and where that comes from."""
+
+    metric: str
+    name: str | None = None
+    during: str | tuple[str, ...] = "all"
+    statistic: Literal["max", "mean_5_s", "rms", "p95"] = "max"
+    for_: Annotated[float, "s"] = 0.0
+    max: float | None = None  # in the metric's own suffix
+    min: float | None = None
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if self.max is None and self.min is None:
+            raise ValueError(f"the check of '{self.metric}' needs 'max' or 'min'")
+        if self.max is not None and self.min is not None and self.max < self.min:
+            raise ValueError(f"the check of '{self.metric}' has max below min")
+        if self.for_ < 0:
+            raise ValueError("for_s must not be negative")
