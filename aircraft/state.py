@@ -57,6 +57,66 @@ class AircraftState(NamedTuple):
         """Horizontal speed over the ground, m/s."""
         return np.hypot(self.velocity_north, self.velocity_east)
 
+    @property
+    def air_velocity(self) -> tuple[Real, Real, Real]:
+        """(north, east, up) through the air, m/s."""
+        forward, _, _ = self.wind_axes
+        return self.airspeed * forward[0], self.airspeed * forward[1], -self.airspeed * forward[2]
+
+    @property
+    def flight_path_angle(self) -> Real:
+        """Of the path through the air, rad, + up."""
+        return -np.arcsin(self.wind_axes[0][2])
+
+    @property
+    def air_course(self) -> Real:
+        """Of the path through the air, rad clockwise from north, -pi..pi."""
+        north, east, _ = self.wind_axes[0]
+        return np.arctan2(east, north)
+
+    @property
+    def aerodynamic_bank(self) -> Real:
+        """Bank about the velocity through the air, rad, + right."""
+        _, right, down = self.wind_axes
+        return np.arctan2(right[2], down[2])
+
+    @property
+    def load_factor(self) -> tuple[Real, Real, Real]:
+        """(forward, right, up) in wind axes: specific force over standard gravity; (0, 0, 1) in steady level flight."""
+        cos_alpha, sin_alpha = np.cos(self.angle_of_attack), np.sin(self.angle_of_attack)
+        cos_beta, sin_beta = np.cos(self.sideslip), np.sin(self.sideslip)
+        x, y, z = self.specific_force_forward, self.specific_force_right, self.specific_force_down
+        along = x * cos_alpha + z * sin_alpha
+        return (
+            (along * cos_beta + y * sin_beta) / STANDARD_GRAVITY,
+            (y * cos_beta - along * sin_beta) / STANDARD_GRAVITY,
+            (x * sin_alpha - z * cos_alpha) / STANDARD_GRAVITY,
+        )
+
+    @property
+    def wind_axes(self) -> tuple[tuple[Real, Real, Real], tuple[Real, Real, Real], tuple[Real, Real, Real]]:
+        """Unit vectors forward, right, down of the wind axes, each as (north, east, down)."""
+        cos_alpha, sin_alpha = np.cos(self.angle_of_attack), np.sin(self.angle_of_attack)
+        cos_beta, sin_beta = np.cos(self.sideslip), np.sin(self.sideslip)
+        return (
+            self._to_earth(cos_alpha * cos_beta, sin_beta, sin_alpha * cos_beta),
+            self._to_earth(-cos_alpha * sin_beta, cos_beta, -sin_alpha * sin_beta),
+            self._to_earth(-sin_alpha, 0.0, cos_alpha),
+        )
+
+    def _to_earth(self, x: Real, y: Real, z: Real) -> tuple[Real, Real, Real]:
+        """Body-axis vector (forward, right, down) as (north, east, down)."""
+        cos_bank, sin_bank = np.cos(self.bank), np.sin(self.bank)
+        cos_pitch, sin_pitch = np.cos(self.pitch), np.sin(self.pitch)
+        cos_heading, sin_heading = np.cos(self.heading), np.sin(self.heading)
+        along = cos_pitch * x + sin_pitch * (sin_bank * y + cos_bank * z)
+        across = cos_bank * y - sin_bank * z
+        return (
+            cos_heading * along - sin_heading * across,
+            sin_heading * along + cos_heading * across,
+            -sin_pitch * x + cos_pitch * (sin_bank * y + cos_bank * z),
+        )
+
 
 class Command(NamedTuple):
     """What the autopilot asks of the inner loops."""

@@ -35,7 +35,23 @@ SUFFIXES: dict[str, tuple[str, float]] = {
     "db": ("dB", 1.0),
 }
 
-PREFERRED = ("m", "s", "mps", "mps2", "deg", "degps", "deg_per_m", "deg_per_mps", "m2ps3", "deg2ps3", "deg2", "kg", "hz", "db", "n")
+PREFERRED = (
+    "m",
+    "s",
+    "mps",
+    "mps2",
+    "deg",
+    "degps",
+    "deg_per_m",
+    "deg_per_mps",
+    "m2ps3",
+    "deg2ps3",
+    "deg2",
+    "kg",
+    "hz",
+    "db",
+    "n",
+)
 
 
 def spellings(name: str, unit: str) -> dict[str, float]:

@@ -1,0 +1,420 @@
+"""One JSBSim aircraft for one flight: load, begin, step, read.
+
+A handle used once: JSBSim corrupts memory when a second model is loaded and does not restart cleanly, so every flight
+has a fresh one (2-5 ms). Nodes are bound once; ``step`` and ``read`` are flat and use plain floats only, because they
+stand inside the closed loop.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple, Protocol
+
+import jsbsim
+
+from aircraft import loading, model_files, properties
+from aircraft.data import AircraftData, data
+from aircraft.model_files import ModelError
+from aircraft.properties import EARTH_RADIUS, FOOT, getter, node, setter
+from aircraft.state import STANDARD_GRAVITY, AircraftState, Controls
+
+RATE = 120  # Hz, of the equations of motion
+UNTOLD_FLAPS = math.radians(40.0)  # full deflection of a model that gives only its share
+PLANET = f"""<planet name="sphere"><equatorial_radius unit="M">{EARTH_RADIUS!r}</equatorial_radius>
+<polar_radius unit="M">{EARTH_RADIUS!r}</polar_radius><rotation_rate unit="RAD/SEC">0</rotation_rate>
+<GM unit="M3/SEC2">{STANDARD_GRAVITY * EARTH_RADIUS**2!r}</GM><J2>0</J2></planet>"""
+
+
+class FlightError(RuntimeError):
+    """A flight that cannot go on; carries the time (s) and the last state that was finite."""
+
+    def __init__(self, message: str, time: float = math.nan, state: AircraftState | None = None) -> None:
+        super().__init__(message)
+        self.time = time
+        self.state = state
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FlightError, (str(self), self.time, self.state)
+
+
+class Wind(Protocol):
+    """Air in motion; see ``aircraft.wind``."""
+
+    def velocity(
+        self, time: float, position: tuple[float, float, float], airspeed: float
+    ) -> tuple[float, float, float]:
+        """(north, east, up) m/s, the way the air moves."""
+        ...
+
+
+@dataclass(frozen=True)
+class Runway:
+    """Where the threshold lies; only the elevation acts on the flight, the rest serves routes, maps and exports."""
+
+    latitude: Annotated[float, "rad"] = 0.0
+    longitude: Annotated[float, "rad"] = 0.0
+    elevation: Annotated[float, "m"] = 0.0
+    heading: Annotated[float, "rad"] = 0.0
+
+    def __post_init__(self) -> None:
+        if not abs(self.latitude) <= math.radians(85.0):
+            raise ValueError("latitude must lie within 85 deg of the equator")
+        if not abs(self.longitude) <= math.pi:
+            raise ValueError("longitude must lie between -180 and 180 deg")
+        if not -500.0 <= self.elevation <= 5000.0:
+            raise ValueError("elevation must lie between -500 and 5000 m")
+        if not abs(self.heading) <= 2.0 * math.pi:
+            raise ValueError("heading must lie between -360 and 360 deg")
+
+    def geodetic(self, north: Any, east: Any) -> tuple[Any, Any]:
+        """(latitude, longitude), rad, by the radii of curvature of WGS 84 at the threshold."""
+        sine = math.sin(self.latitude)
+        root = math.sqrt(1.0 - 6.69437999014e-3 * sine * sine)
+        meridian = 6378137.0 * (1.0 - 6.69437999014e-3) / root**3
+        return self.latitude + north / meridian, self.longitude + east * root / (6378137.0 * math.cos(self.latitude))
+
+
+class InitialCondition(NamedTuple):
+    """How a flight begins; steady, so that actuators, engines, flaps and gear stand where the controls want them."""
+
+    north: float  # m from the threshold
+    east: float
+    height: float
+    heading: float  # rad
+    pitch: float
+    bank: float
+    airspeed: float  # m/s
+    angle_of_attack: float  # rad
+    sideslip: float
+    controls: Controls
+    roll_rate: float = 0.0  # rad/s, body axes
+    pitch_rate: float = 0.0
+    yaw_rate: float = 0.0
+
+
+class Airframe:
+    """One aircraft in flight. Build it with ``load``; ``begin`` it (again and again until it has moved), then ``step``."""
+
+    def __init__(
+        self, executive: Any, aircraft: AircraftData, runway: Runway, main_gear: tuple[int, ...], has_propellers: bool
+    ) -> None:
+        self.data = aircraft
+        self.runway = runway
+        self._executive = executive
+        self._run = executive.run
+        manager = executive.get_property_manager()
+        self._manager = manager
+        self._state = [getter(manager, wanted) for wanted in properties.STATE]
+        self._forces = [getter(manager, wanted) for wanted in properties.FORCES]
+        self._accelerations = [getter(manager, wanted) for wanted in properties.ACCELERATIONS]
+        self._mass = getter(manager, properties.MASS)
+        self._gear = getter(manager, properties.GEAR)
+        self._main_wheels = [node(manager, f"gear/unit[{unit}]/WOW").get_double_value for unit in main_gear]
+        self._initial = [(setter(manager, wanted), wanted.factor) for wanted in properties.INITIAL]
+        self._surfaces = [setter(manager, wanted) for wanted in properties.SURFACES]
+        self._throttles = _throttles(manager)
+        self._set_flaps = setter(manager, properties.FLAPS_COMMAND)
+        self._set_gear = setter(manager, properties.GEAR_COMMAND)
+        self._wind = [setter(manager, wanted) for wanted in properties.WIND]
+        self._engines = executive.get_propulsion()
+        self._needs_spinning_up = has_propellers
+        self._controls = Controls(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+        self._last: AircraftState | None = None
+        self._has_flown = False
+        self._specific_force = 0.0
+        self.full_flaps, self._flaps, self._flaps_factor = self._full_flaps()
+
+    @property
+    def mass(self) -> float:
+        """kg; fuel does not burn, so that it is constant."""
+        return self._mass() * properties.MASS.factor
+
+    def begin(self, initial: InitialCondition, wind: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> AircraftState:
+        """Put the aircraft into a steady state in a steady horizontal wind and return that state.
+
+        A trimmed start stays trimmed in any wind: the initial velocity is the one through the air plus the wind.
+        """
+        if self._has_flown:
+            raise FlightError("an airframe flies once: load a fresh one for the next flight")
+        if not all(map(math.isfinite, (*initial[:9], *initial.controls, *initial[10:], *wind))):
+            raise FlightError("the initial condition must be finite")
+        if initial.height < 0.0:
+            raise FlightError(f"the flight would begin {-initial.height:.0f} m below the runway")
+        wind_north, wind_east, _ = wind
+        u, v, w = _body_velocity(initial, wind_north, wind_east)
+        elevation = self.runway.elevation
+        values = (
+            elevation,
+            initial.north,
+            initial.east,
+            initial.height + elevation,
+            initial.heading,
+            initial.pitch,
+            initial.bank,
+            math.hypot(wind_north, wind_east),
+            math.atan2(wind_east, wind_north) % (2.0 * math.pi),
+            u,
+            v,
+            w,
+            initial.roll_rate,
+            initial.pitch_rate,
+            initial.yaw_rate,
+        )
+        for (write, factor), value in zip(self._initial, values, strict=True):
+            write(value / factor)
+        self._command(initial.controls)
+        self._executive.set_trim_status(True)
+        for _ in range(3):  # the rate of the angle of attack is one frame old
+            self._executive.run_ic()
+            if self._needs_spinning_up:
+                self._engines.get_steady_state()
+        self._executive.set_trim_status(False)
+        self._specific_force = properties.POUND_PER_SLUG / self._mass()
+        self._last = None
+        return self.read()
+
+    def step(self, controls: Controls, substeps: int = 4, wind: Wind | None = None) -> None:
+        """Fly ``substeps`` steps of 1/120 s with these controls; a ``wind`` is asked before every one of them.
+
+        Within one call the wind sees the position and airspeed of its beginning.
+        """
+        self._has_flown = True
+        self._command(controls)
+        run = self._run
+        if wind is None:
+            for _ in range(substeps):
+                run()
+            return
+        time, latitude, longitude, height, *_ = (get() for get in self._state[:4])
+        position = (latitude * EARTH_RADIUS, longitude * EARTH_RADIUS, height * FOOT - self.runway.elevation)
+        airspeed = self._state[13]() * FOOT
+        set_north, set_east, set_down = self._wind
+        for substep in range(substeps):
+            north, east, up = wind.velocity(time + substep / RATE, position, airspeed)
+            set_north(north / FOOT)
+            set_east(east / FOOT)
+            set_down(-up / FOOT)
+            run()
+
+    def read(self) -> AircraftState:
+        """The state now; raises ``FlightError`` with the last good one when a number is not finite."""
+        time, latitude, longitude, height, north, east, down, bank, pitch, heading, p, q, r, speed, alpha, beta = [
+            get() for get in self._state
+        ]
+        forward, right, downward = self._forces
+        scale = self._specific_force
+        aileron, elevator, rudder, throttle, _, _ = self._controls
+        wheels = self._main_wheels
+        state = AircraftState(
+            time,
+            latitude * EARTH_RADIUS,
+            longitude * EARTH_RADIUS,
+            height * FOOT - self.runway.elevation,
+            north * FOOT,
+            east * FOOT,
+            -down * FOOT,
+            bank,
+            pitch,
+            heading,
+            p,
+            q,
+            r,
+            speed * FOOT,
+            alpha,
+            beta,
+            forward() * scale,
+            right() * scale,
+            downward() * scale,
+            aileron,
+            elevator,
+            rudder,
+            throttle,
+            self._flaps() * self._flaps_factor,
+            self._gear(),
+            sum(wheel() for wheel in wheels) / len(wheels) if wheels else 0.0,
+        )
+        if not math.isfinite(latitude + longitude + height + north + east + down + bank + p + q + r + speed):
+            raise FlightError(f"the motion is not finite at {time:.2f} s", time, self._last)
+        self._last = state
+        return state
+
+    def accelerations(self) -> tuple[float, float, float, float, float, float]:
+        """Rates of the body-axis velocity (m/s2) and of the body rates (rad/s2)."""
+        u, v, w, p, q, r = (get() for get in self._accelerations)
+        return u * FOOT, v * FOOT, w * FOOT, p, q, r
+
+    def _command(self, controls: Controls) -> None:
+        if controls is self._controls:
+            return
+        aileron, elevator, rudder, throttle, flaps, gear = controls
+        set_aileron, set_elevator, set_rudder = self._surfaces
+        set_aileron(aileron)
+        set_elevator(-elevator)
+        set_rudder(-rudder)
+        for set_throttle in self._throttles:
+            set_throttle(throttle)
+        self._set_flaps(flaps / self.full_flaps if self.full_flaps else 0.0)
+        self._set_gear(gear)
+        self._controls = controls
+
+    def _full_flaps(self) -> tuple[float, Callable[[], float], float]:
+        """Deflection at full command (rad, 0 without flaps), reader and its factor, asked of the model itself."""
+        in_degrees = getter(self._manager, properties.FLAPS)
+        of_full = getter(self._manager, properties.FLAPS_OF_FULL)
+        self._executive["ic/h-sl-ft"] = 10000.0  # clear of the ground, or the wheels would remember it
+        self._executive.set_trim_status(True)
+        self._set_flaps(1.0)
+        self._executive.run_ic()
+        deflection, share = in_degrees() * properties.FLAPS.factor, of_full()
+        self._set_flaps(0.0)
+        self._executive.run_ic()
+        self._executive.set_trim_status(False)
+        if deflection == 0.0 and share > 0.0:  # the model knows its flaps by their share only
+            return UNTOLD_FLAPS, of_full, UNTOLD_FLAPS
+        return deflection, in_degrees, properties.FLAPS.factor
+
+
+def load(
+    model: str | Path,
+    mass: float | None = None,
+    centre_of_gravity_mac: float | None = None,
+    factors: Mapping[str, float] | None = None,
+    runway: Runway | None = None,
+) -> Airframe:
+    """A fresh aircraft: ours or a stock one by name, or a user's folder by path.
+
+    Parameters
+    ----------
+    mass : total, kg; None = as the model says.
+    centre_of_gravity_mac : share of the mean aerodynamic chord; needs an aircraft that states its chord.
+    factors : scales of groups of coefficients, by the names that the aircraft declares.
+
+    Raises ``ModelError`` with one sentence for anything that cannot be loaded.
+    """
+    source = model_files.read(model)
+    aircraft = data(model)
+    if factors:
+        loading.apply_factors(source, factors)
+    if mass is not None:
+        if not aircraft.mass_min <= mass <= aircraft.mass_max:
+            raise ModelError(
+                f"mass of '{source.name}' must lie between {aircraft.mass_min:.0f} and {aircraft.mass_max:.0f} kg, not {mass} kg"
+            )
+        loading.apply_mass(source, mass)
+    if centre_of_gravity_mac is not None:
+        if not aircraft.mean_chord > 0.0:
+            raise ModelError(
+                f"the data of '{source.name}' state no mean aerodynamic chord, so its centre of gravity stays"
+            )
+        if not aircraft.centre_of_gravity_min <= centre_of_gravity_mac <= aircraft.centre_of_gravity_max:
+            raise ModelError(
+                f"centre_of_gravity_mac of '{source.name}' must lie between {aircraft.centre_of_gravity_min} and "
+                f"{aircraft.centre_of_gravity_max}, not {centre_of_gravity_mac}"
+            )
+        loading.apply_centre_of_gravity(
+            source, aircraft.chord_leading_edge + centre_of_gravity_mac * aircraft.mean_chord
+        )
+    executive = _executive(source)
+    has_propellers = any(tree.tag == "propeller" for tree in source.files.values())
+    return Airframe(executive, aircraft, runway or Runway(), _main_gear(source.root), has_propellers)
+
+
+def _executive(source: model_files.Model) -> Any:
+    jsbsim.FGJSBBase().debug_lvl = 0  # before construction, or a banner is printed
+    said = _listen()
+    with model_files.private_root(source) as root:
+        planet = root / "planet.xml"
+        planet.write_text(PLANET)
+        executive = jsbsim.FGFDMExec(str(root))
+        try:
+            loaded = executive.load_planet(str(planet), False) and executive.load_model(source.name)
+        except Exception as error:
+            raise ModelError(f"JSBSim cannot load '{source.name}': {_sentence([str(error)])}") from None
+        if not loaded:
+            raise ModelError(f"JSBSim cannot load '{source.name}': {_sentence(said)}")
+    executive.disable_input()
+    executive.disable_output()
+    executive.set_dt(1.0 / RATE)
+    executive.get_propulsion().init_running(-1)
+    executive["propulsion/fuel_freeze"] = 1
+    return executive
+
+
+class _Logger(jsbsim.FGLogger):
+    """Keeps what JSBSim says; it would print warnings and errors whatever its debug level."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.said: list[str] = []
+
+    def set_level(self, level: Any) -> None:
+        pass
+
+    def file_location(self, filename: str, line: int) -> None:
+        pass
+
+    def format(self, format: Any) -> None:
+        pass
+
+    def flush(self) -> None:
+        pass
+
+    def message(self, message: str) -> None:
+        if len(self.said) < 100:
+            self.said.append(message)
+
+
+_LOGGER = _Logger()
+
+
+def _listen() -> list[str]:
+    """What JSBSim says from now on, in the main thread; in others its logger would outlive the thread and crash."""
+    _LOGGER.said.clear()
+    if threading.current_thread() is threading.main_thread():
+        jsbsim.set_logger(_LOGGER)
+    return _LOGGER.said
+
+
+def _sentence(said: list[str]) -> str:
+    text = " ".join(" ".join(said).split())
+    return text[:300] if text else "no reason given"
+
+
+def _throttles(manager: Any) -> list[Any]:
+    """Every power lever that the model has."""
+    found = []
+    while (lever := manager.get_node(f"{properties.THROTTLE.name}[{len(found)}]", False)) is not None:
+        found.append(lever.set_double_value)
+    return found
+
+
+def _main_gear(root: ElementTree.Element) -> tuple[int, ...]:
+    """Numbers of the wheels that stand off the plane of symmetry."""
+    contacts = root.findall("ground_reactions/contact")
+    return tuple(
+        number
+        for number, contact in enumerate(contacts)
+        if contact.get("type") == "BOGEY" and abs(float(contact.findtext("location/y", "0"))) > 0.01
+    )
+
+
+def _body_velocity(initial: InitialCondition, wind_north: float, wind_east: float) -> tuple[float, float, float]:
+    """Velocity over the ground in body axes: through the air plus the horizontal wind."""
+    cos_alpha, sin_alpha = math.cos(initial.angle_of_attack), math.sin(initial.angle_of_attack)
+    cos_beta, sin_beta = math.cos(initial.sideslip), math.sin(initial.sideslip)
+    cos_heading, sin_heading = math.cos(initial.heading), math.sin(initial.heading)
+    cos_pitch, sin_pitch = math.cos(initial.pitch), math.sin(initial.pitch)
+    cos_bank, sin_bank = math.cos(initial.bank), math.sin(initial.bank)
+    along = wind_north * cos_heading + wind_east * sin_heading
+    across = wind_east * cos_heading - wind_north * sin_heading
+    speed = initial.airspeed
+    return (
+        speed * cos_alpha * cos_beta + cos_pitch * along,
+        speed * sin_beta + sin_bank * sin_pitch * along + cos_bank * across,
+        speed * sin_alpha * cos_beta + cos_bank * sin_pitch * along - sin_bank * across,
+    )

@@ -1,0 +1,85 @@
+"""What is known of an aircraft besides its equations of motion: speeds, flap schedule, limits, loading range."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
+
+from aircraft.model_files import ModelError, folder
+from aircraft.units import spellings
+
+
+@dataclass(frozen=True)
+class FlapSetting:
+    """One detent of the flap lever."""
+
+    flaps: Annotated[float, "rad"]
+    placard_speed: Annotated[float, "m/s"]  # indicated
+    stall_speed: Annotated[float, "m/s"]  # at ``AircraftData.reference_mass``, sea level
+
+
+@dataclass(frozen=True)
+class AircraftData:
+    """Facts of a type from its TOML; a stock model without one has the defaults, which limit nothing."""
+
+    title: str
+    reference_mass: Annotated[float, "kg"] = 0.0
+    mass_min: Annotated[float, "kg"] = 0.0
+    mass_max: Annotated[float, "kg"] = math.inf
+    mean_chord: Annotated[float, "m"] = 0.0
+    chord_leading_edge: Annotated[float, "m"] = 0.0  # aft in the model's structural frame
+    centre_of_gravity_min: float = 0.0  # share of the mean chord
+    centre_of_gravity_max: float = 1.0
+    wheel_track: Annotated[float, "m"] = 0.0
+    height_of_wheels: Annotated[float, "m"] = 0.0  # centre of gravity above the main wheels, gear down
+    gear_placard_speed: Annotated[float, "m/s"] = math.inf
+    sink_limit: Annotated[float, "m/s"] = 3.05
+    tailwind_limit: Annotated[float, "m/s"] = math.inf
+    crosswind_limit: Annotated[float, "m/s"] = math.inf
+    flap_settings: tuple[FlapSetting, ...] = ()
+    factors: tuple[str, ...] = ()
+    sources: tuple[tuple[str, str], ...] = ()  # (value, where it is from)
+
+    def stall_speed(self, flaps: float, mass: float) -> float:
+        """Stall speed, m/s, of the flap setting nearest to ``flaps`` (rad), scaled by the root of the mass (kg)."""
+        if not self.flap_settings:
+            raise ModelError(f"the data of '{self.title}' state no stall speed")
+        nearest = min(self.flap_settings, key=lambda setting: abs(setting.flaps - flaps))
+        return nearest.stall_speed * math.sqrt(mass / self.reference_mass)
+
+
+def data(model: str | Path) -> AircraftData:
+    """The data of an aircraft; raises ``ModelError`` for a broken file."""
+    home = folder(model)
+    name = home.resolve().name
+    path = home / f"{name}.toml"
+    if not path.is_file():
+        return AircraftData(title=name)
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        settings = tuple(_build(FlapSetting, entry, path) for entry in table.pop("flap_settings", []))
+        sources = tuple(table.pop("sources", {}).items())
+        factors = tuple(table.pop("factors", []))
+        return _build(AircraftData, table, path, flap_settings=settings, factors=factors, sources=sources)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, TypeError) as error:
+        raise ModelError(f"'{path.name}' cannot be read: {error}") from None
+
+
+def _build(kind: type, table: dict[str, Any], path: Path, **ready: Any) -> Any:
+    """Construct ``kind`` from suffixed keys."""
+    hints = get_type_hints(kind, include_extras=True)
+    keys: dict[str, tuple[str, float]] = {}
+    for field in fields(kind):
+        unit = getattr(hints[field.name], "__metadata__", (None,))[0]
+        legal = spellings(field.name, unit) if unit else {field.name: 1.0}
+        keys |= {key: (field.name, factor) for key, factor in legal.items()}
+    values = dict(ready)
+    for key, value in table.items():
+        if key not in keys:
+            raise ModelError(f"'{path.name}' has the unknown key '{key}'")
+        name, factor = keys[key]
+        values[name] = value if isinstance(value, str) else value * factor
+    return kind(**values)

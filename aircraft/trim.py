@@ -1,0 +1,116 @@
+"""Trim: the steady state of an aircraft at a speed and flight-path angle, by Newton's method on the airframe itself."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from aircraft.airframe import Airframe, InitialCondition
+from aircraft.state import Controls
+
+TOLERANCE = 1e-8  # m/s2 and rad/s2; Newton converges quadratically, so this is one iteration beyond 1e-4
+ITERATIONS = 40
+DIFFERENCE = 1e-4  # of the central differences: rad and share of control
+LARGEST_STEP = np.array([math.radians(3.0), 0.2, 0.2, math.radians(5.0), 0.2, 0.2])
+UNKNOWNS = ("angle of attack", "throttle", "elevator", "bank", "aileron", "rudder")
+
+
+class TrimError(ValueError):
+    """No steady state at the wanted condition; the message says what ran out."""
+
+
+class Trim(NamedTuple):
+    """A steady state through the air; wind does not change it."""
+
+    initial: InitialCondition
+    flight_path_angle: float  # rad, through the air
+    residual: float  # largest of the six accelerations left over, m/s2 or rad/s2
+
+    @property
+    def controls(self) -> Controls:
+        """Controls that hold it."""
+        return self.initial.controls
+
+    def at(self, north: float, east: float, height: float, heading: float) -> InitialCondition:
+        """The same steady state at another place and heading."""
+        return self.initial._replace(north=north, east=east, height=height, heading=heading)
+
+
+def trim(
+    airframe: Airframe,
+    airspeed: float,
+    flight_path_angle: float = 0.0,
+    height: float = 500.0,
+    flaps: float = 0.0,
+    gear: float = 0.0,
+    acceleration: float = 0.0,
+) -> Trim:
+    """Straight flight at zero sideslip: angle of attack, throttle and five more such that nothing accelerates.
+
+    Parameters
+    ----------
+    airframe : one that has not flown; it is left in the trimmed state.
+    airspeed : m/s, true.
+    flight_path_angle : rad, through the air, + up.
+    acceleration : m/s2 along the path; not zero for a quasi-steady deceleration.
+
+    Raises ``TrimError`` when there is no such state.
+    """
+    if not airspeed > 0.0 or not math.isfinite(airspeed):
+        raise TrimError(f"airspeed must be positive, not {airspeed} m/s")
+    if not 0.0 <= flaps <= airframe.full_flaps + 1e-9:
+        raise TrimError(
+            f"flaps must lie between 0 and {math.degrees(airframe.full_flaps):.0f} deg, not {math.degrees(flaps):.0f} deg"
+        )
+
+    def condition(unknowns: np.ndarray) -> InitialCondition:
+        alpha, throttle, elevator, bank, aileron, rudder = map(float, unknowns)
+        controls = Controls(aileron, elevator, rudder, throttle, flaps, gear)
+        pitch = _pitch(alpha, bank, flight_path_angle)
+        return InitialCondition(0.0, 0.0, height, 0.0, pitch, bank, airspeed, alpha, 0.0, controls)
+
+    def residual(unknowns: np.ndarray) -> np.ndarray:
+        state = airframe.begin(condition(unknowns))
+        along, side, down, roll, pitch, yaw = airframe.accelerations()
+        alpha = state.angle_of_attack
+        along -= acceleration * math.cos(alpha)
+        down -= acceleration * math.sin(alpha)
+        return np.array([along, side, down, roll, pitch, yaw])
+
+    unknowns = np.array([math.radians(4.0), 0.4, 0.0, 0.0, 0.0, 0.0])
+    for _ in range(ITERATIONS):
+        error = residual(unknowns)
+        if np.abs(error).max() < TOLERANCE:
+            break
+        steps = DIFFERENCE * np.eye(6)
+        jacobian = np.column_stack(
+            [(residual(unknowns + step) - residual(unknowns - step)) / (2.0 * DIFFERENCE) for step in steps]
+        )
+        correction = np.linalg.lstsq(jacobian, error, rcond=1e-10)[0]
+        unknowns = unknowns - correction / max(1.0, float(np.abs(correction / LARGEST_STEP).max()))
+        unknowns = np.clip(unknowns, [-0.3, 0.0, -1.0, -0.5, -1.0, -1.0], [0.6, 1.0, 1.0, 0.5, 1.0, 1.0])
+    remaining = float(np.abs(residual(unknowns)).max())
+    if not remaining < 1e-6:
+        raise TrimError(_failure(airframe.data.title, airspeed, flight_path_angle, unknowns, remaining))
+    return Trim(condition(unknowns), flight_path_angle, remaining)
+
+
+def _pitch(alpha: float, bank: float, flight_path_angle: float) -> float:
+    """Pitch at zero sideslip for a wanted flight-path angle [Stevens and Lewis, eq. (3.4-2)]."""
+    a, b, sine = math.cos(alpha), math.cos(bank) * math.sin(alpha), math.sin(flight_path_angle)
+    return math.atan2(a * b + sine * math.sqrt(a * a - sine * sine + b * b), a * a - sine * sine)
+
+
+def _failure(title: str, airspeed: float, flight_path_angle: float, unknowns: np.ndarray, remaining: float) -> str:
+    where = f"{title} cannot be trimmed at {airspeed:.1f} m/s and {math.degrees(flight_path_angle):+.2f} deg"
+    _, throttle, elevator, _, aileron, rudder = unknowns
+    if throttle >= 1.0:
+        return f"{where}: it needs more than full power"
+    if throttle <= 0.0:
+        return f"{where}: it needs less than idle power"
+    for name, value in (("elevator", elevator), ("aileron", aileron), ("rudder", rudder)):
+        if abs(value) >= 1.0:
+            return f"{where}: the {name} is at its stop"
+    return f"{where}: {remaining:.2g} m/s2 remain (too slow, beyond the stall, or engines that do not settle)"
