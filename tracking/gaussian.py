@@ -1,48 +1,316 @@
 """All Kalman algebra, once: matrix axes first, batch axes last.
 
 A mean has shape (n, *B), a covariance (n, n, *C); B and C broadcast. ``()`` is one run, ``(N,)`` an ensemble,
-``(M, N)`` hypotheses by runs. A covariance gets a run axis only once something run-dependent entered it.
+``(M, N)`` hypotheses by runs. A covariance gets a run axis only once something run-dependent entered it, so a linear
+filter computes one gain for all runs. Where there is a hypothesis axis, C has as many axes as B (of size one where
+shared): `lift` inserts them.
+
+Covariances are symmetric to the last bit because every one of them is built from products that commute: ``W W'`` in
+the update, ``d d'`` in the mixing, and a mirrored triangle in the prediction.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
+
+Array = Any
+
+LOG_TWO_PI = math.log(2.0 * math.pi)
 
 
 class Gaussian(NamedTuple):
     """A state estimate."""
 
-    mean: Any  # (n, *B)
-    cov: Any  # (n, n, *C)
+    mean: Array  # (n, *B)
+    cov: Array  # (n, n, *C)
 
 
 class Mixture(NamedTuple):
     """Gaussians along the axis after the matrix axes, with their weights."""
 
-    weights: Any  # (M, *B)
-    mean: Any  # (n, M, *B)
-    cov: Any  # (n, n, M, *C)
+    weights: Array  # (M, *B), sum to one over M
+    mean: Array  # (n, M, *B)
+    cov: Array  # (n, n, M, *C)
 
 
 class Innovation(NamedTuple):
-    """What one measurement said, whitened by the innovation covariance."""
+    """What one measurement said, whitened by the innovation covariance.
 
-    white: Any  # (m, *B)
-    nis: Any  # (*B), sum of squares of white
-    log_likelihood: Any  # (*B)
+    An absent channel is NaN in ``white`` and adds nothing to ``nis`` and ``log_likelihood``.
+    """
+
+    white: Array  # (m, *B)
+    nis: Array  # (*B), sum of squares of white
+    log_likelihood: Array  # (*B)
 
 
-def predict(gaussian: Gaussian, F: Any, Q: Any, u: Any = None) -> Gaussian:
-    """Propagate through ``x+ = F x + u`` with process noise Q. Shapes (n, n, *C), (n, n, *C), (n, *B)."""
-    mean = np.einsum("ij...,j...->i...", F, gaussian.mean)
+def lift(array: Array, matrix_axes: int, batch_axes: int) -> Array:
+    """View with axes of size one inserted after the matrix axes until there are ``batch_axes`` batch axes."""
+    array = np.asarray(array, dtype=float)
+    missing = matrix_axes + batch_axes - array.ndim
+    return (
+        array
+        if missing <= 0
+        else array.reshape(*array.shape[:matrix_axes], *(1,) * missing, *array.shape[matrix_axes:])
+    )
+
+
+def predict(gaussian: Gaussian, F: Array, Q: Array, u: Array | None = None) -> Gaussian:
+    """Propagate through ``x+ = F x + u`` with process noise Q [Volovyk 2022, eq. (16)].
+
+    Parameters
+    ----------
+    gaussian : state (n, *B) and covariance (n, n, *C).
+    F, Q : (n, n, *C), broadcasting.
+    u : (n, *B), the known input, already multiplied by its input matrix.
+    """
+    mean = _apply(F, gaussian.mean)
     if u is not None:
         mean = mean + u
-    cov = np.einsum("ij...,jk...,lk...->il...", F, gaussian.cov, F) + Q
-    return Gaussian(mean, cov)
+    P, F, Q = _aligned(gaussian.cov, F, Q)
+    half = _product(F, P)  # F P
+    return Gaussian(mean, _plus(_mirror(_product(F, half.swapaxes(0, 1))), Q))  # F (F P)' + Q
 
 
-def update(gaussian: Gaussian, z: Any, H: Any, R: Any) -> tuple[Gaussian, Innovation]:
-    """Condition on ``z = H x + v``, v ~ N(0, R). Shapes (m, *B), (m, n, *C), (m, m, *C)."""
-    raise NotImplementedError
+def update(gaussian: Gaussian, z: Array, H: Array, R: Array) -> tuple[Gaussian, Innovation]:
+    """Condition on ``z = H x + v``, v ~ N(0, R), through the whitened innovation [Volovyk 2022, eqs. (15), (17)-(19)].
+
+    With ``L L' = H P H' + R`` and ``W = P H' L^-T`` the posterior is ``x + W white``, ``P - W W'``: symmetric by
+    construction, and ``white = L^-1 (z - H x)`` gives the log-likelihood without another factorisation.
+
+    Parameters
+    ----------
+    z : (m, *B); NaN marks an absent channel of that run.
+    H : (m, n, *C); R : (m, m, *C).
+    """
+    residual = z - _apply(H, gaussian.mean)
+    absent = _absent(z, residual)
+    if absent is not None:
+        H, R, residual = _without(absent, H, R, residual)
+    P, H, R = _aligned(gaussian.cov, H, R)
+    cross = _product(H, P)  # H P (m, n, *C)
+    S = _plus(_product(H, cross.swapaxes(0, 1)), R)
+    posterior, innovation = _condition(Gaussian(gaussian.mean, P), residual, cross, S)
+    if absent is None:
+        return posterior, innovation
+    return posterior, _present(innovation, absent)
+
+
+def merge(mixture: Mixture) -> Gaussian:
+    """Moment-match a mixture by one Gaussian [Volovyk 2022, eqs. (20)-(21)].
+
+    Erratum: printed the "extrapolated" covariance, used the filtered one, because the weights are those after the
+    measurement.
+    """
+    weights, means, covs = mixture
+    mean = np.einsum("m...,im...->i...", weights, means)
+    return Gaussian(mean, np.einsum("m...,ijm...->ij...", weights, _second_moments(means - mean[:, None], covs)))
+
+
+def interact(mixture: Mixture, switching: Array) -> Mixture:
+    """Mix hypotheses by their switching probabilities before a prediction [Volovyk 2022, eqs. (6), (22)-(23)].
+
+    Rows of ``switching`` (M, M) are "from", columns "to". The returned weights are the predicted ones. A hypothesis
+    whose predicted weight is zero keeps its own estimate.
+
+    Erratum: printed the spread about the filtered mean of the target model, used the spread about its mixed mean,
+    because a covariance is taken about the mean that goes with it.
+    Erratum: printed mixing weights normalised over the target (and without theta in table 1, step 2), used
+    ``theta_ij mu_i`` normalised over the source i, because the weights of one mixed estimate sum to one.
+    """
+    weights, means, covs = mixture
+    joint = lift(switching, 2, weights.ndim - 1) * weights[:, None]  # (from, to, *B)
+    predicted = joint.sum(axis=0)
+    if predicted.all():
+        joint /= predicted
+    else:
+        certain = predicted > 0.0
+        own = lift(np.eye(len(predicted)), 2, weights.ndim - 1)
+        joint = np.where(certain, joint / np.where(certain, predicted, 1.0), own)
+    # About the merged mean c: sum_i w_ij (P_i + d_i d_i') - e_j e_j', d_i = x_i - c, e_j = mixed x_j - c. It needs
+    # 2 M outer products instead of M^2, and moments about the origin would lose |x|^2 eps.
+    centre = np.einsum("m...,im...->i...", weights, means)[:, None]
+    deviation = means - centre
+    mixed = np.einsum("ij...,ai...->aj...", joint, deviation)
+    cov = np.einsum("ij...,abi...->abj...", joint, _second_moments(deviation, covs))
+    cov -= mixed[:, None] * mixed
+    return Mixture(predicted, centre + mixed, cov)
+
+
+def reweigh(weights: Array, log_likelihood: Array) -> tuple[Array, Array]:
+    """Posterior weights (M, *B) and log-likelihood (*B) of a mixture by Bayes' rule in the log domain.
+
+    A weight of zero stays zero; far outliers, where every likelihood underflows, still rank the hypotheses.
+
+    Erratum: [Volovyk 2022, table 1, step 13] printed the weights before the switching in the numerator, used the
+    predicted ones, because only those make the posterior sum to one.
+    """
+    supported = np.where(weights > 0.0, log_likelihood, -np.inf)
+    best = supported.max(axis=0)
+    posterior = weights * np.exp(supported - best)
+    total = posterior.sum(axis=0)
+    posterior /= total
+    return posterior, best + np.log(total)
+
+
+def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixture, Innovation]:
+    """Condition every hypothesis and its weight on one measurement (m, *B) [Volovyk 2022, eqs. (15)-(19)].
+
+    H and R as in `update`, or with the hypothesis axis after the matrix axes where they differ between hypotheses.
+    The innovation is that of the moment-matched prediction, its log-likelihood that of the mixture itself.
+    """
+    batch = mixture.mean.ndim - 2
+    z = np.expand_dims(z, 1)
+    H, R = (_with_hypotheses(matrix, batch) for matrix in (H, R))
+    residual = z - _apply(H, mixture.mean)
+    absent = _absent(z, residual)
+    if absent is not None:
+        H, R, residual = _without(absent, H, R, residual)
+    cross = _product(H, mixture.cov)
+    S = _plus(_product(H, cross.swapaxes(0, 1)), lift(R, 2, batch + 1))
+    conditioned, each = _condition(Gaussian(mixture.mean, mixture.cov), residual, cross, S)
+    weights, log_likelihood = reweigh(mixture.weights, each.log_likelihood)
+    matched = merge(Mixture(mixture.weights, residual, S))
+    white = _forward(_cholesky(matched.cov), matched.mean)
+    innovation = Innovation(white, np.einsum("i...,i...->...", white, white), log_likelihood)
+    posterior = Mixture(weights, conditioned.mean, conditioned.cov)
+    if absent is None:
+        return posterior, innovation
+    return posterior, _present(innovation, absent[:, 0])
+
+
+def _condition(gaussian: Gaussian, residual: Array, cross: Array, S: Array) -> tuple[Gaussian, Innovation]:
+    """Posterior and innovation from the residual, the cross-covariance H P and the innovation covariance S."""
+    L = _cholesky(S)
+    white = _forward(L, residual)
+    W = _forward(L, cross)  # (m, n, *C): the transpose of P H' L^-T
+    mean = gaussian.mean + np.einsum("ji...,j...->i...", W, white)
+    reduction = np.einsum("ji...,jk...->ik...", W, W)
+    cov = np.subtract(
+        gaussian.cov, reduction, out=reduction if reduction.ndim and _covers(reduction, gaussian.cov) else None
+    )
+    nis = np.einsum("i...,i...->...", white, white)
+    constant = sum(np.log(L[i][i]) for i in range(len(L))) + 0.5 * len(L) * LOG_TWO_PI
+    return Gaussian(mean, cov), Innovation(white, nis, -0.5 * nis - constant)
+
+
+def _cholesky(S: Array) -> list[list[Array]]:
+    """Lower factor of S (m, m, *C), element by element: m is small and the batch is long."""
+    L: list[list[Array]] = []
+    for i in range(len(S)):
+        row: list[Array] = []
+        for j in range(i):
+            entry = S[i, j]
+            for k in range(j):
+                entry = entry - row[k] * L[j][k]
+            row.append(entry / L[j][j])
+        pivot = S[i, i]
+        for k in range(i):
+            pivot = pivot - row[k] * row[k]
+        row.append(np.sqrt(pivot))
+        L.append(row)
+    return L
+
+
+def _forward(L: list[list[Array]], right: Array) -> Array:
+    """Solve ``L y = right`` with L from `_cholesky` and right (m, ..., *B)."""
+    rows: list[Array] = []
+    for i, row in enumerate(L):
+        entry = right[i]
+        for k in range(i):
+            entry = entry - row[k] * rows[k]
+        rows.append(entry / row[i])
+    return np.stack(rows)
+
+
+def _absent(z: Array, residual: Array) -> Array | None:
+    """Which channels (m, *B) are absent, or None where all are present (one cheap test in the usual case)."""
+    total = residual.sum()
+    if total == total:  # only NaN differs from itself
+        return None
+    absent = np.isnan(z)
+    return absent if absent.any() else None
+
+
+def _without(absent: Array, H: Array, R: Array, residual: Array) -> tuple[Array, Array, Array]:
+    """H, R and residual that make the absent channels (m, *B) say nothing: zero row, unit variance, zero residual."""
+    batch = absent.ndim - 1
+    H = np.where(absent[:, None], 0.0, lift(H, 2, batch))
+    identity = lift(np.eye(len(absent)), 2, batch)
+    R = np.where(absent[:, None] | absent[None, :], identity, lift(R, 2, batch))
+    return H, R, np.where(absent, 0.0, residual)
+
+
+def _present(innovation: Innovation, absent: Array) -> Innovation:
+    """The innovation with absent channels marked and without their constant in the log-likelihood."""
+    white = np.where(absent, np.nan, innovation.white)
+    missing = np.isnan(white).sum(axis=0)
+    return Innovation(white, innovation.nis, innovation.log_likelihood + 0.5 * LOG_TWO_PI * missing)
+
+
+def _second_moments(deviation: Array, covs: Array) -> Array:
+    """``P + d d'`` of every hypothesis."""
+    return _plus(deviation[:, None] * deviation, covs)
+
+
+def _mirror(cov: Array) -> Array:
+    """Copy the upper triangle onto the lower one, in place."""
+    for i in range(1, len(cov)):
+        cov[i, :i] = cov[:i, i]
+    return cov
+
+
+def _covers(large: Array, small: Array) -> bool:
+    return bool(large.shape == small.shape or large.shape == np.broadcast_shapes(large.shape, small.shape))
+
+
+def _plus(fresh: Array, other: Array) -> Array:
+    """Sum, in place where it fits: temporaries beyond 128 KiB are mapped afresh by the C library at every use."""
+    if _covers(fresh, other):
+        fresh += other
+        return fresh
+    return fresh + other
+
+
+def _aligned(*matrices: Array) -> tuple[Array, ...]:
+    """The matrices with the same number of batch axes."""
+    batch = max(matrix.ndim for matrix in matrices) - 2
+    return tuple(matrix if matrix.ndim == batch + 2 else lift(matrix, 2, batch) for matrix in matrices)
+
+
+def _with_hypotheses(matrix: Array, batch: int) -> Array:
+    """A matrix per run with a hypothesis axis of size one, if it has none yet."""
+    if matrix.ndim == 2 or matrix.ndim == batch + 3:
+        return matrix
+    return np.expand_dims(matrix, 2)
+
+
+def _apply(A: Array, x: Array) -> Array:
+    """``A x`` for A (p, n, *C) and x (n, *B)."""
+    if A.ndim == 2 or (A.shape[-1] == 1 and A.ndim == x.ndim + 1):
+        return _blas(A, x)
+    return np.einsum("ij...,j...->i...", A, x)
+
+
+def _product(A: Array, X: Array) -> Array:
+    """``A X`` for A (p, n, *C) and X (n, k, *C)."""
+    if A.ndim == 2 or (A.shape[-1] == 1 and A.ndim == X.ndim):
+        return _blas(A, X)
+    return np.einsum("ij...,jk...->ik...", A, X)
+
+
+_RUNS_LAST = tuple((*range(1, axes - 1), 0, axes - 1) for axes in range(2, 9))
+_ROWS_FIRST = tuple((axes - 2, *range(axes - 2), axes - 1) for axes in range(2, 9))
+
+
+def _blas(A: Array, X: Array) -> Array:
+    """The same for a matrix A that all runs (the last axis) share: one BLAS call per column and hypothesis."""
+    if A.ndim > 2:
+        A = A[..., 0].transpose(*range(2, A.ndim - 1), 0, 1)
+    if X.ndim == 1:
+        return A @ X
+    product = A @ X.transpose(_RUNS_LAST[X.ndim - 2])
+    return product.transpose(_ROWS_FIRST[product.ndim - 2])

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
-from tracking.gaussian import Gaussian, Innovation, Mixture
+import numpy as np
+
+from tracking.gaussian import Gaussian, Innovation, Mixture, lift, merge
 
 
 @dataclass(frozen=True)
@@ -21,6 +24,32 @@ class Measurements:
     arrival: Any  # (k,) s, when it was known
     z: Any  # (k, m, *B)
     R: Any  # (k, m, m, *C)
+
+    def __post_init__(self) -> None:
+        m = len(self.channels)
+        time, arrival, z, R = (np.asarray(value) for value in (self.time, self.arrival, self.z, self.R))
+        _require(time.ndim == 1 and time.shape == arrival.shape, "time and arrival must be vectors of one length")
+        k = len(time)
+        _require(bool(np.isfinite(time).all() and np.isfinite(arrival).all()), "times must be finite")
+        _require(bool((arrival >= time).all()), "a measurement cannot arrive before it was taken")
+        _require(z.shape[:2] == (k, m), f"z must have the shape ({k}, {m}, runs), not {z.shape}")
+        _require(R.shape[:3] == (k, m, m), f"R must have the shape ({k}, {m}, {m}, runs), not {R.shape}")
+        _require(R.ndim <= z.ndim + 1, "R has more batch axes than z")
+        _require(not np.isinf(z).any(), "a measurement is infinite; an absent one is NaN")
+        for i in range(m):
+            _require(not (R[:, i, i] < 0.0).any(), f"the variance of '{self.channels[i]}' is negative")
+            for j in range(i):
+                upper, lower = R[:, j, i], R[:, i, j]
+                scale = np.sqrt(R[:, i, i] * R[:, j, j])
+                _require(not (np.abs(upper - lower) > 1e-9 * scale).any(), "R is not symmetric")
+                _require(
+                    not (np.abs(upper) > (1.0 + 1e-9) * scale).any(), "R is not a covariance: a correlation exceeds 1"
+                )
+
+    def runs(self, chosen: slice) -> Measurements:
+        """The measurements of some runs (a slice of the last axis)."""
+        R = self.R if np.ndim(self.R) == 3 or self.R.shape[-1] == 1 else self.R[..., chosen]
+        return Measurements(self.channels, self.time, self.arrival, self.z[..., chosen], R)
 
 
 class Track(NamedTuple):
@@ -55,3 +84,129 @@ class Tracker(Protocol):
     def estimate(self, state: Any) -> Gaussian | Mixture:
         """What is believed now, in the declared space."""
         ...
+
+
+@runtime_checkable
+class TimeStamped(Protocol):
+    """A tracker that knows how old a measurement is and steers it to now by its own prediction."""
+
+    def steer(self, state: Any, z: Any, age: float) -> Any:
+        """z (m, *B) of ``age`` seconds ago as it would read now, with the state predicted to now."""
+        ...
+
+
+class Epoch(NamedTuple):
+    """One turn of the loop."""
+
+    row: int  # of the measurements
+    time: float  # s, when the estimate holds
+    estimate: Gaussian | Mixture
+    innovation: Innovation | None
+
+
+def follow(
+    tracker: Tracker, measurements: Measurements, prior: Gaussian, start: float | None = None
+) -> Iterator[Epoch]:
+    """Run a tracker through a record in the order of arrival, one epoch at a time: the only loop over time.
+
+    Statistics over an ensemble consume the epochs as they come, so that no history is kept. A single run and an
+    ensemble take the same path; a prior without batch axes serves every run.
+
+    Parameters
+    ----------
+    start : s, when the prior holds; by default when the first measurement arrives.
+
+    Raises
+    ------
+    ValueError : the prior does not fit, or holds after the first arrival.
+    """
+    time, arrival = np.asarray(measurements.time, dtype=float), np.asarray(measurements.arrival, dtype=float)
+    if not len(time):
+        return
+    batch = measurements.z.ndim - 2
+    state = tracker.begin(_checked(prior, batch))
+    order = np.argsort(arrival, kind="stable")
+    now = float(arrival[order[0]]) if start is None else float(start)
+    _require(
+        now <= arrival[order[0]], f"the prior holds at {now:g} s, after the first arrival at {arrival[order[0]]:g} s"
+    )
+    steer = tracker.steer if isinstance(tracker, TimeStamped) else None
+    for index in order.tolist():
+        known = float(arrival[index])
+        z, R = measurements.z[index], lift(measurements.R[index], 2, batch)
+        present = not np.isnan(z).all()
+        with np.errstate(divide="ignore", invalid="ignore"):  # a lost run is a result: it goes on as NaN
+            if present and steer is not None and time[index] < known:
+                state, _ = tracker.step(state, known - now, None, None)
+                state, innovation = tracker.step(state, 0.0, steer(state, z, known - float(time[index])), R)
+            elif present:
+                state, innovation = tracker.step(state, known - now, z, R)
+            else:
+                state, innovation = tracker.step(state, known - now, None, None)
+            now = known
+            estimate = tracker.estimate(state)
+        yield Epoch(index, now, estimate, innovation)
+
+
+def track(tracker: Tracker, measurements: Measurements, prior: Gaussian, start: float | None = None) -> Track:
+    """Run a tracker through a record and keep every estimate (see `follow` for the arguments)."""
+    times, means, covs, weights, innovations = [], [], [], [], []
+    for epoch in follow(tracker, measurements, prior, start):
+        estimate = epoch.estimate
+        if isinstance(estimate, Mixture):
+            weights.append(estimate.weights)
+            estimate = merge(estimate)
+        times.append(epoch.time)
+        means.append(estimate.mean)
+        covs.append(estimate.cov)
+        innovations.append(epoch.innovation)
+    _require(bool(times), "there is no measurement to track")
+    batch = measurements.z.shape[2:]
+    known = next((innovation for innovation in innovations if innovation is not None), None)
+    rows = len(measurements.channels) if known is None else len(known.white)
+    nothing = Innovation(np.full((rows, *batch), np.nan), np.zeros(batch), np.zeros(batch))
+    white, nis, log_likelihood = zip(*(nothing if i is None else i for i in innovations), strict=True)
+    return Track(
+        tracker.channels,
+        np.array(times),
+        _stack(means, batch),
+        _stack(covs),
+        _stack(white, batch),
+        _stack(nis, batch),
+        _stack(log_likelihood, batch),
+        _stack(weights, batch) if weights else None,
+    )
+
+
+def chunks(runs: int, size: int = 1024) -> Iterator[slice]:
+    """Slices that cover the runs of an ensemble; about a thousand runs at a time stay in the processor's cache."""
+    return (slice(first, min(first + size, runs)) for first in range(0, runs, size))
+
+
+def _stack(arrays: Any, batch: tuple[int, ...] | None = None) -> Any:
+    """Stack over time, broadcasting the batch axes (which may grow on the way) to ``batch`` or to their largest."""
+    arrays = [np.asarray(array) for array in arrays]
+    shape = np.broadcast_shapes(*{array.shape for array in arrays})
+    if batch is not None:
+        shape = (*shape[: len(shape) - len(batch)], *batch)
+    stacked = np.empty((len(arrays), *shape))
+    for row, array in enumerate(arrays):
+        stacked[row] = array
+    return stacked
+
+
+def _checked(prior: Gaussian, batch: int) -> Gaussian:
+    """The prior with the batch axes of the measurements."""
+    mean, cov = np.asarray(prior.mean, dtype=float), np.asarray(prior.cov, dtype=float)
+    n = len(mean) if mean.ndim else 0
+    _require(n > 0 and cov.shape[:2] == (n, n), f"a prior of {n} states needs a covariance ({n}, {n}), not {cov.shape}")
+    _require(mean.ndim - 1 <= batch and cov.ndim - 2 <= batch, "the prior has more batch axes than the measurements")
+    _require(bool(np.isfinite(mean).all() and np.isfinite(cov).all()), "the prior must be finite")
+    _require(np.allclose(cov, cov.swapaxes(0, 1), rtol=1e-9, atol=0.0), "the prior's covariance is not symmetric")
+    _require(bool((np.einsum("ii...->i...", cov) >= 0.0).all()), "the prior's covariance has a negative variance")
+    return Gaussian(lift(mean, 1, batch), lift(cov, 2, batch))
+
+
+def _require(condition: bool, sentence: str) -> None:
+    if not condition:
+        raise ValueError(sentence)

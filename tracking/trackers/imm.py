@@ -1,0 +1,170 @@
+"""Interacting multiple models [Volovyk 2022, table 1] with any set of motion models."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
+from tracking.measurement import MeasurementModel
+from tracking.motion import (
+    AlongTrackAcceleration,
+    ConstantVelocity,
+    CoordinatedTurn,
+    Motion,
+    ScheduledTurn,
+    Transition,
+)
+
+
+class ModelSet(NamedTuple):
+    """Motion models, how they switch per step (rows "from", columns "to") and how likely each is at the start."""
+
+    models: tuple[Motion, ...]
+    switching: tuple[tuple[float, ...], ...]
+    probabilities: tuple[float, ...]
+
+
+def published_set(acceleration_density: float = 0.01, slow: float = -0.001, fast: float = -0.045) -> ModelSet:
+    """Two left turns and straight flight, as published [Volovyk 2022, section 3].
+
+    Erratum: printed initial probabilities .53 .33 .13, which sum to .99, used 8/15 5/15 2/15, because these truncate
+    to the printed digits and sum to one.
+    """
+    return ModelSet(
+        (
+            CoordinatedTurn(slow, acceleration_density),
+            CoordinatedTurn(fast, acceleration_density),
+            ConstantVelocity(acceleration_density),
+        ),
+        ((0.99, 0.01, 0.0), (0.01, 0.98, 0.01), (0.0, 0.01, 0.99)),
+        (8 / 15, 5 / 15, 2 / 15),
+    )
+
+
+def improved_set(
+    straight_density: float = 0.01,
+    manoeuvre_density: float = 0.05,
+    acceleration: float = -0.5,
+    bank: float = math.radians(15.0),
+) -> ModelSet:
+    """Straight flight, slowing down, and a turn to either side at the rate of the bank limit and estimated speed."""
+    return ModelSet(
+        (
+            ConstantVelocity(straight_density),
+            AlongTrackAcceleration(acceleration, manoeuvre_density),
+            ScheduledTurn(bank, manoeuvre_density),
+            ScheduledTurn(-bank, manoeuvre_density),
+        ),
+        (
+            (0.985, 0.005, 0.005, 0.005),
+            (0.02, 0.97, 0.005, 0.005),
+            (0.015, 0.005, 0.98, 0.0),
+            (0.015, 0.005, 0.0, 0.98),
+        ),
+        (0.7, 0.1, 0.1, 0.1),
+    )
+
+
+@dataclass(frozen=True)
+class Imm:
+    """Interact, predict, update, reweigh, merge [Volovyk 2022, table 1].
+
+    The file parameters are those of the improved set; another set is given as `model_set`. The measurement is
+    linearised at the merged prediction, once for all models.
+    """
+
+    measurement: Annotated[MeasurementModel, "given"]
+    model_set: Annotated[ModelSet | None, "given"] = None
+    straight_density: Annotated[float, "m2/s3"] = 0.01
+    manoeuvre_density: Annotated[float, "m2/s3"] = 0.05
+    acceleration: Annotated[float, "m/s2"] = -0.5
+    bank: Annotated[float, "rad"] = math.radians(15.0)
+
+    def __post_init__(self) -> None:
+        _check(self._set)
+
+    @cached_property
+    def _set(self) -> ModelSet:
+        if self.model_set is not None:
+            return self.model_set
+        return improved_set(self.straight_density, self.manoeuvre_density, self.acceleration, self.bank)
+
+    @cached_property
+    def _switching(self) -> Any:
+        return np.array(self._set.switching)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        return self._set.models[0].channels
+
+    def begin(self, prior: Gaussian) -> Mixture:
+        batch = prior.mean.ndim - 1
+        count = len(self._set.models)
+        weights = lift(np.array(self._set.probabilities), 1, batch)
+        mean = np.repeat(prior.mean[:, None], count, axis=1)
+        return Mixture(weights, mean, np.repeat(lift(prior.cov, 2, batch)[:, :, None], count, axis=2))
+
+    def step(self, state: Mixture, dt: float, z: Any | None, R: Any | None) -> tuple[Mixture, Innovation | None]:
+        if dt > 0.0:  # no time, no switching
+            state = interact(state, self._switching)
+            moved = predict(Gaussian(state.mean, state.cov), *transitions(self._set.models, dt, state.mean))
+            state = Mixture(state.weights, moved.mean, moved.cov)
+        if z is None:
+            return state, None
+        predicted = np.einsum("m...,im...->i...", state.weights, state.mean)
+        return update_mixture(state, *self.measurement.linearise(z, R, predicted))
+
+    def estimate(self, state: Mixture) -> Mixture:
+        return state
+
+
+def transitions(models: tuple[Motion, ...], dt: float, mean: Any) -> Transition:
+    """Transitions of all models (n, n, M, *C) from the mean (n, M, *B) of each."""
+    batch = mean.ndim - 2
+    if not any(model.depends_on_state for model in models):
+        F, Q = _fixed(models, dt)
+        return Transition(lift(F, 3, batch), lift(Q, 3, batch))
+    each = [model.transition(dt, mean[:, i]) for i, model in enumerate(models)]
+    F = _side_by_side([lift(one.F, 2, batch) for one in each])
+    Q = _side_by_side([lift(one.Q, 2, batch) for one in each])
+    if all(one.u is None for one in each):
+        return Transition(F, Q)
+    still = np.zeros(mean[:, 0].shape)
+    return Transition(F, Q, np.stack([still if one.u is None else one.u for one in each], axis=1))
+
+
+@lru_cache(maxsize=64)
+def _fixed(models: tuple[Motion, ...], dt: float) -> tuple[Any, Any]:
+    each = [model.transition(dt, None) for model in models]
+    F, Q = (np.stack(matrices) for matrices in ([one.F for one in each], [one.Q for one in each]))
+    return np.moveaxis(F, 0, -1), np.moveaxis(Q, 0, -1)
+
+
+def _side_by_side(matrices: list[Any]) -> Any:
+    shape = np.broadcast_shapes(*(matrix.shape for matrix in matrices))
+    return np.stack([np.broadcast_to(matrix, shape) for matrix in matrices], axis=2)
+
+
+def _check(model_set: ModelSet) -> None:
+    models, switching, probabilities = model_set
+    count = len(models)
+    if not count:
+        raise ValueError("a model set needs at least one model")
+    if len({model.channels for model in models}) != 1:
+        raise ValueError("the models of a set must share one state")
+    if len(switching) != count or any(len(row) != count for row in switching):
+        raise ValueError(f"switching must be {count} rows of {count} probabilities")
+    if len(probabilities) != count:
+        raise ValueError(f"there must be {count} initial probabilities, not {len(probabilities)}")
+    if any(not entry >= 0.0 for row in (*switching, probabilities) for entry in row):
+        raise ValueError("probabilities must not be negative")
+    for i, row in enumerate(switching):
+        if abs(sum(row) - 1.0) > 1e-12:
+            raise ValueError(f"row {i} of the switching matrix sums to {sum(row):.12g}, not to one")
+    if abs(sum(probabilities) - 1.0) > 1e-12:
+        raise ValueError(f"the initial probabilities sum to {sum(probabilities):.12g}, not to one")
