@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from aircraft.airframe import FlightError
 from aircraft.state import AircraftState, Command
 from autopilot.route import PathDeviation, Route
 from sim.outcomes import Judge, Limits
@@ -34,7 +34,6 @@ class Flight:
     leg: np.ndarray  # (k,) int
     phase: np.ndarray  # (k,) index into phases
     phases: tuple[str, ...]
-    wind: np.ndarray  # (3, k) m/s, the way the air moves: north, east, up
     events: tuple[Event, ...]
     outcome: str
     reason: str
@@ -42,13 +41,26 @@ class Flight:
     @property
     def time(self) -> np.ndarray:
         """(k,) s."""
-        return self.state.time
+        return np.asarray(self.state.time)
 
     @property
     def deviation(self) -> PathDeviation:
         """Deviation from the leg that was active, of arrays (k,)."""
         s = self.state
         return self.route.deviation(self.leg, (s.north, s.east), (s.velocity_north, s.velocity_east), s.heading)
+
+    @property
+    def wind(self) -> np.ndarray:
+        """(3, k) m/s north, east, up: the way the air moves, from the velocity over the ground and through the air."""
+        s = self.state
+        level = s.airspeed * np.cos(s.flight_path_angle)
+        return np.stack(
+            (
+                s.velocity_north - level * np.cos(s.air_course),
+                s.velocity_east - level * np.sin(s.air_course),
+                s.velocity_up - s.airspeed * np.sin(s.flight_path_angle),
+            )
+        )
 
     def during(self, phases: str | tuple[str, ...]) -> np.ndarray:
         """(k,) bool: where one of the phases was flown; ``all`` is everywhere."""
@@ -58,9 +70,7 @@ class Flight:
         return np.isin(self.phase, [i for i, name in enumerate(self.phases) if name in wanted])
 
 
-def fly(
-    vehicle: Any, autopilot: Any, initial: Any, wind: Any, limits: Limits, route: Route, phases: tuple[str, ...]
-) -> Flight:
+def fly(vehicle: Any, autopilot: Any, initial: Any, wind: Any, limits: Limits, phases: tuple[str, ...]) -> Flight:
     """Fly one flight to its end.
 
     ``vehicle`` and ``autopilot`` are begun here and stepped by turns: the autopilot sees the state, the vehicle flies
@@ -68,48 +78,43 @@ def fly(
     """
     body = vehicle.begin(initial, wind)
     state = vehicle.read(body)
-    pilot = autopilot.begin(state)
-    judge = Judge(limits, route)
-    states, commands, legs, modes, winds, events = [], [], [], [], [], []
+    pilot = autopilot.begin(state, initial.leg)
+    judge = Judge(limits, autopilot.route, phases)
+    states, commands, legs, flown, events = [], [], [], [], []
+    pilot_step, vehicle_step, read = autopilot.step, vehicle.step, vehicle.read
     half = RECORD_STEP / 2
-    pilot_phase = -1
-    while True:
-        dt = RECORD_STEP
-        pilot, command = autopilot.step(pilot, state, dt if state.height > NEAR_GROUND else half)
+    phase = -1
+    verdict = None
+    while verdict is None:
+        near_ground = state.height < NEAR_GROUND
+        pilot, command = pilot_step(pilot, state, half if near_ground else RECORD_STEP)
         states.append(state)
         commands.append(command)
         legs.append(pilot.leg)
-        modes.append(pilot.phase)
-        winds.append(wind.last)
-        if pilot.phase != pilot_phase:
-            events.append(Event(state.time, phases[pilot.phase]))
-            pilot_phase = pilot.phase
-        verdict = judge(state, pilot)
-        if verdict is not None:
-            break
-        if state.height > NEAR_GROUND:
-            body = vehicle.step(body, command, dt)
-        else:
-            body = vehicle.step(body, command, half)
-            pilot, command = autopilot.step(pilot, vehicle.read(body), half)
-            body = vehicle.step(body, command, half)
-        state = vehicle.read(body)
-        if not math.isfinite(state.north + state.east + state.height + state.bank):
-            verdict = (
-                "diverged",
-                f"the motion is no longer finite at {states[-1].time:.2f} s; last state {states[-1]}",
-            )
-            break
+        flown.append(pilot.phase)
+        if pilot.phase != phase:
+            phase = pilot.phase
+            events.append(Event(state.time, phases[phase]))
+        verdict = judge(state, pilot.leg, phase)
+        try:
+            if near_ground:
+                body = vehicle_step(body, command, half)
+                pilot, command = pilot_step(pilot, read(body), half)
+                body = vehicle_step(body, command, half)
+            else:
+                body = vehicle_step(body, command, RECORD_STEP)
+            state = read(body)
+        except FlightError as error:
+            verdict = verdict or ("diverged", str(error))
     outcome, reason = verdict
     events.append(Event(states[-1].time, outcome, reason))
     return Flight(
-        route,
+        autopilot.route,
         AircraftState(*np.array(states, float).T),
         Command(*np.array(commands, float).T),
         np.array(legs),
-        np.array(modes),
+        np.array(flown),
         phases,
-        np.array(winds, float).T,
         tuple(events),
         outcome,
         reason,

@@ -1,0 +1,39 @@
+# A fresh machine needs Python >= 3.11 and make; everything else is installed into .venv.
+PYTHON ?= python3
+BIN := .venv/bin
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
+
+.PHONY: help demo test lint acceptance bench clean
+
+help:
+	@echo "make demo        fly the bundled An-26 approach and write its report"
+	@echo "make test        lint and run the tests"
+	@echo "make acceptance  measure every required figure at full size"
+	@echo "make bench       measure speed, as ratios within one run"
+
+.venv/ready: pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "shortfinal needs Python 3.11 or newer")'
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@
+
+demo: .venv/ready
+	$(BIN)/shortfinal run an26_pattern -o out/an26_pattern
+
+test: .venv/ready lint
+	$(BIN)/python -m pytest -n 2 -m "not acceptance"
+
+lint: .venv/ready
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+acceptance: .venv/ready
+	$(BIN)/python -m pytest -m acceptance -s tests/acceptance
+
+bench: .venv/ready
+	$(BIN)/python tests/benchmarks/run.py
+
+clean:
+	rm -rf .venv out build dist

@@ -1,0 +1,184 @@
+"""The command ``shortfinal``: every verb of the simulation, one sentence for every fault."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from sim.errors import OutputError, ScenarioError
+
+GOOD, CHECK_FAILED, BAD_INPUT, FLIGHTS_CRASHED = 0, 1, 2, 3
+DEFAULT = "an26_pattern"
+
+app = typer.Typer(
+    name="shortfinal",
+    help="Fly an approach in JSBSim under a bank-limited route autopilot, watch it, track it, judge it. "
+    "Research software, not for operational use.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Scenario = Annotated[str, typer.Argument(help="A scenario file or the name of a bundled scenario.")]
+Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder to write; default out/NAME.")]
+Sets = Annotated[
+    list[str] | None, typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Replace one value; repeatable.")
+]
+
+
+@app.command()
+def run(
+    scenario: Scenario = DEFAULT,
+    out: Out = None,
+    sets: Sets = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
+    flights: Annotated[int | None, typer.Option(min=1, help="Flights, each with its own turbulence.")] = None,
+    draws: Annotated[int | None, typer.Option(min=1, help="Noise draws of the sensors per flight.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
+) -> None:
+    """Fly, observe, track and report a scenario."""
+    from sim import experiment
+
+    overrides = _overrides(sets, seed=seed, flights=flights, draws=draws)
+    folder, result = experiment.run_to_folder(scenario, overrides, out, progress=_progress())
+    if as_json:
+        typer.echo((folder / "metrics.json").read_text(), nl=False)
+    else:
+        from sim.summary import summary
+
+        typer.echo(summary(result.metrics))
+        typer.echo(f"report: {folder / 'report.html'}")
+    raise typer.Exit(_exit_code(result.metrics))
+
+
+@app.command()
+def validate(file: Scenario, sets: Sets = None) -> None:
+    """Say whether a scenario can be flown, and everything that is wrong with it."""
+    from sim.preparation import prepare
+    from sim.scenario import read
+
+    scenario = read(file, _overrides(sets))
+    prepare(scenario)
+    typer.echo(f"{scenario.name}: good")
+
+
+@app.command()
+def new(file: Annotated[Path, typer.Argument(help="The scenario file to make.")]) -> None:
+    """Write a commented scenario to start from."""
+    from importlib import resources
+
+    if file.exists():
+        raise OutputError(f"{file}: exists already; choose another name")
+    text = (resources.files("sim.scenarios") / f"{DEFAULT}.toml").read_text()
+    name = file.name.removesuffix(".toml").removesuffix(".scenario")
+    try:
+        file.write_text(text.replace(f'"{DEFAULT}"', json.dumps(name)))
+    except OSError as error:
+        raise OutputError(f"{file}: cannot be written: {error.strerror}") from None
+    typer.echo(f"wrote {file}; fly it with: shortfinal run {file}")
+
+
+@app.command("list")
+def list_(
+    aircraft: Annotated[bool, typer.Option("--aircraft", help="Aircraft instead of scenarios.")] = False,
+    kinds: Annotated[bool, typer.Option("--kinds", help="Kinds of sensors, trackers, laws.")] = False,
+) -> None:
+    """List the bundled scenarios, or the aircraft, or the kinds that a scenario can name."""
+    from sim.listing import aircraft_lines, kind_lines, scenario_lines
+
+    typer.echo("\n".join(aircraft_lines() if aircraft else kind_lines() if kinds else scenario_lines()))
+
+
+@app.command()
+def explain(scenario: Scenario = DEFAULT, sets: Sets = None) -> None:
+    """Show what a scenario comes to: route, trim, modes, gains, limits, checks."""
+    from sim.explanation import explain as told
+    from sim.scenario import read
+
+    typer.echo(told(read(scenario, _overrides(sets))))
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of a scenario file."""
+    from sim.scenario import schema as made
+
+    typer.echo(json.dumps(made(), indent=1))
+
+
+@app.command()
+def doctor() -> None:
+    """Check the installation."""
+    from sim.doctor import examine
+
+    lines, healthy = examine()
+    typer.echo("\n".join(lines))
+    raise typer.Exit(GOOD if healthy else BAD_INPUT)
+
+
+@app.command()
+def export(
+    folder: Annotated[Path, typer.Argument(help="A run folder.")],
+    csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
+) -> None:
+    """Write the records of a run for other programs."""
+    from sim.export import export_csv
+
+    if not csv:
+        raise OutputError("say which format: --csv")
+    for path in export_csv(folder):
+        typer.echo(f"wrote {path}")
+
+
+def _overrides(sets: list[str] | None, **named: int | None) -> dict[str, Any]:
+    import tomllib
+
+    overrides: dict[str, Any] = {}
+    for item in sets or []:
+        address, equals, text = item.partition("=")
+        if not equals or not address.strip():
+            raise ScenarioError(f"--set {item}: write it as table.key=value")
+        try:
+            value = tomllib.loads(f"value = {text}")["value"]
+        except tomllib.TOMLDecodeError:
+            value = text.strip()  # an unquoted word
+        overrides[address.strip()] = value
+    return overrides | {key: value for key, value in named.items() if value is not None}
+
+
+def _progress() -> Any:
+    """A progress bar on a terminal, silence elsewhere."""
+    if not sys.stderr.isatty():
+        return None
+    from sim.progress import bar
+
+    return bar
+
+
+def _exit_code(metrics: dict[str, Any]) -> int:
+    if metrics["crashed"]:
+        return FLIGHTS_CRASHED
+    failed = any(check["passed"] is False for check in metrics["checks"])
+    return CHECK_FAILED if failed else GOOD
+
+
+def main() -> None:
+    """Entry point: faults become sentences on standard error and exit code 2."""
+    try:
+        app(standalone_mode=True)
+    except KeyboardInterrupt:
+        typer.echo("stopped", err=True)
+        sys.exit(130)
+    except (ScenarioError, OutputError) as error:
+        for line in str(error).splitlines():
+            typer.echo(f"shortfinal: {line}", err=True)
+        sys.exit(BAD_INPUT)
+
+
+if __name__ == "__main__":
+    main()

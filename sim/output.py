@@ -1,0 +1,72 @@
+"""Run folders: written whole or not at all, and never over what something else wrote."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sim.errors import OutputError
+
+MARK = ".shortfinal"
+
+
+def claim(folder: Path) -> None:
+    """Make ``folder`` ours: new, empty, or written by an earlier run; raises ``OutputError`` otherwise."""
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise OutputError(f"{folder}: is a file; name a folder with -o")
+        if folder.is_dir() and any(folder.iterdir()) and not (folder / MARK).is_file():
+            raise OutputError(f"{folder}: holds files that shortfinal did not write; choose another folder with -o")
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / MARK).write_text("written by shortfinal\n")
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written: {error.strerror}") from None
+
+
+@contextlib.contextmanager
+def staged(folder: Path) -> Iterator[Path]:
+    """A folder inside ``folder`` whose files replace those of ``folder`` together, once all are written."""
+    staging = folder / ".partial"
+    try:
+        shutil.rmtree(staging, ignore_errors=True)
+        staging.mkdir()
+        yield staging
+        for file in sorted(staging.iterdir()):
+            os.replace(file, folder / file.name)
+    except OSError as error:
+        raise OutputError(
+            f"{folder}: cannot be written: {error.strerror}; the files of the last run are kept"
+        ) from None
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+
+
+def write_json(path: Path, content: Any) -> None:
+    """JSON with sorted keys; what is not finite is null."""
+    path.write_text(json.dumps(_plain(content), sort_keys=True, indent=1, allow_nan=False) + "\n")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def write_npz(path: Path, arrays: dict[str, Any]) -> None:
+    """A compressed file of named arrays; the name of each carries its unit."""
+    with path.open("wb") as file:
+        np.savez_compressed(file, **{name: np.asarray(array) for name, array in arrays.items()})

@@ -1,0 +1,49 @@
+"""What can be asked of a flight at every instant, in the units of its name; checks, figures and metrics read these."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from sim.flight import Flight
+from sim.tables import Runway
+
+# A single upper limit on one of these is meant for its magnitude.
+MAGNITUDES = {"bank_deg", "bank_rate_degps", "cross_track_m", "height_error_m", "crab_deg"}
+
+
+def height_error(flight: Flight, runway: Runway) -> np.ndarray:
+    """Height above what the phase asks for, m: glide path or leg height, NaN in flare, roll-out and go-around."""
+    state = flight.state
+    wanted = np.array([leg.height for leg in flight.route.legs])[flight.leg]
+    past, _ = runway.from_local(state.north, state.east)
+    glide = (runway.aiming_point - past) * np.tan(runway.glide_path)
+    wanted = np.where(flight.during("glide"), glide, wanted)
+    wanted = np.where(flight.during(("flare", "ground", "go_around")), np.nan, wanted)
+    return np.asarray(state.height - wanted)
+
+
+def bank_rate(flight: Flight) -> np.ndarray:
+    """Rate of the bank angle, rad/s, from the body rates."""
+    s = flight.state
+    return np.asarray(
+        s.roll_rate + np.tan(s.pitch) * (s.pitch_rate * np.sin(s.bank) + s.yaw_rate * np.cos(s.bank)),
+    )
+
+
+def crab(flight: Flight) -> np.ndarray:
+    """Heading minus ground track, rad, -pi..pi."""
+    s = flight.state
+    return np.asarray(np.remainder(s.heading - s.course + np.pi, 2 * np.pi) - np.pi)
+
+
+SIGNALS: dict[str, Callable[[Flight, Runway], np.ndarray]] = {
+    "bank_deg": lambda flight, runway: np.degrees(flight.state.bank),
+    "bank_rate_degps": lambda flight, runway: np.degrees(bank_rate(flight)),
+    "cross_track_m": lambda flight, runway: flight.deviation.cross_track,
+    "height_error_m": height_error,
+    "airspeed_error_mps": lambda flight, runway: flight.state.airspeed - flight.command.airspeed,
+    "sink_mps": lambda flight, runway: -flight.state.velocity_up,
+    "crab_deg": lambda flight, runway: np.degrees(crab(flight)),
+}
