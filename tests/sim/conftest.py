@@ -1,0 +1,31 @@
+"""Flights made by formula, so that checks and metrics are judged by arithmetic."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from aircraft.state import AircraftState, Command
+from autopilot.route import Leg, Route
+from sim.flight import Event, Flight
+
+PHASES = ("final", "glide", "flare", "ground", "go_around")
+
+
+def made(time, phase, route=None, **signals):
+    """A flight northwards along a line, every other signal zero unless given; command signals carry ``command_``."""
+    k = len(time)
+    columns = {name: np.zeros(k) for name in AircraftState._fields}
+    columns |= {"time": np.asarray(time, float), "velocity_north": np.full(k, 70.0), "airspeed": np.full(k, 70.0)}
+    columns |= {name: np.asarray(value, float) for name, value in signals.items() if not name.startswith("command_")}
+    commands = {name: np.zeros(k) for name in Command._fields} | {"airspeed": np.full(k, 70.0)}
+    commands |= {name[8:]: np.asarray(value, float) for name, value in signals.items() if name.startswith("command_")}
+    route = route or Route((Leg((-50000.0, 0.0), (300.0, 0.0), 70.0, 400.0),))
+    index = np.array([PHASES.index(name) for name in phase])
+    events = (Event(0.0, phase[0]),)
+    return Flight(route, AircraftState(**columns), Command(**commands), np.zeros(k, int), index, PHASES, events, "completed", "")
+
+
+@pytest.fixture
+def make_flight():
+    return made
