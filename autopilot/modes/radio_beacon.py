@@ -41,7 +41,7 @@ class RadioBeacon:
             raise ValueError(f"the cone radius of the radio-beacon law must not be negative, not {self.cone_radius} m")
 
     def __call__(self, deviation: Any) -> Any:
-        """Bank command, rad, for ``deviation.bearing_error`` and the course error, ``track_error`` or ``heading_error``."""
+        """Bank command, rad, for a deviation with the bearing error and the track or heading error (rad)."""
         course_error = deviation.track_error if self.course == "track" else deviation.heading_error
         outside = deviation.distance_to_go > self.cone_radius
         bearing = saturate(deviation.bearing_error, self.bearing_limit) * outside

@@ -1,0 +1,232 @@
+"""Every gain from the linear model: linear-quadratic inner loops and the law of the route mode, by one recipe.
+
+The weights say, in physical units, which deviation is as bad as which (Bryson's rule); they are the same for every
+aircraft. The result is plain floats, so a worker process flies a design and never makes one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import solve_continuous_are
+
+from aircraft.state import STANDARD_GRAVITY
+from autopilot.modes.lateral_navigation import LateralNavigation
+
+# Bryson weights: the deviation that is as bad as every other one in the list
+AIRSPEED, ANGLE_OF_ATTACK, PITCH_RATE, PITCH, HEIGHT = 2.0, math.radians(8), math.radians(5), math.radians(5), 4.0
+AIRSPEED_INTEGRAL, HEIGHT_INTEGRAL = 12.0, 30.0  # m, m s
+THROTTLE = ELEVATOR = 0.25  # of full control
+SIDESLIP, ROLL_RATE, YAW_RATE, BANK = math.radians(3), math.radians(12), math.radians(6), math.radians(4)
+BANK_INTEGRAL = math.radians(12)  # rad s
+AILERON = RUDDER = 0.35
+
+REFERENCE_SHARE = 0.7  # of the bandwidth of the bank loop: natural frequency of the bank reference
+LAW_SHARE = 1.0 / 6.0  # of the bandwidth of the bank loop: fastest natural frequency of the route law
+BANK_SHARE = 0.85  # of the bank limit that an undisturbed intercept may use
+LAW_DAMPING = 0.9
+INTERCEPT = math.radians(30.0)
+RATE_MARGIN = 1.1  # of cross_track_rate_limit over what the turn between two legs needs
+
+SCHEDULED = (
+    *("angle_of_attack", "elevator", "throttle", "throttle_per_slope"),
+    *("throttle_airspeed", "throttle_alpha", "throttle_pitch_rate", "throttle_pitch", "throttle_height"),
+    *("throttle_airspeed_sum", "throttle_height_sum"),
+    *("elevator_airspeed", "elevator_alpha", "elevator_pitch_rate", "elevator_pitch", "elevator_height"),
+    *("elevator_airspeed_sum", "elevator_height_sum"),
+    *("aileron_sideslip", "aileron_roll_rate", "aileron_yaw_rate", "aileron_bank", "aileron_bank_sum"),
+    *("rudder_sideslip", "rudder_roll_rate", "rudder_yaw_rate", "rudder_bank", "rudder_bank_sum"),
+    *("aileron_per_sideslip", "rudder_per_sideslip", "bank_per_sideslip"),
+)
+
+
+class OperatingPoint(NamedTuple):
+    """A trim and the linear model about it."""
+
+    flaps: float  # rad
+    gear: float
+    airspeed: float  # m/s
+    angle_of_attack: float  # rad
+    elevator: float
+    throttle: float
+    longitudinal: tuple[Any, Any]  # A (5, 5), B (5, 2): airspeed, angle of attack, pitch rate, pitch, height
+    lateral: tuple[Any, Any]  # A (4, 4), B (4, 2): sideslip, roll rate, yaw rate, bank
+
+
+class Schedule(NamedTuple):
+    """One flap setting: each value of SCHEDULED is ``constant + slope / airspeed^2``, as lift coefficients vary."""
+
+    flaps: float
+    constant: tuple[float, ...]
+    slope: tuple[float, ...]
+
+
+class Designed(NamedTuple):
+    """All that a flight needs of the design; plain numbers, so that it travels in a file."""
+
+    schedules: tuple[Schedule, ...]  # by rising flaps
+    bank_bandwidth: float  # rad/s, of the slowest operating point
+    reference_frequency: float  # rad/s, of the critically damped bank reference
+    k1: float
+    k2: float
+    bank_limit: float
+    cross_track_limit: float
+    cross_track_rate_limit: float
+
+    @property
+    def law(self) -> LateralNavigation:
+        """The route law of the design."""
+        return LateralNavigation(self.k1, self.k2, self.bank_limit, self.cross_track_limit, self.cross_track_rate_limit)
+
+    def to_table(self) -> dict[str, Any]:
+        """As lists and floats, for a file."""
+        return self._asdict() | {
+            "schedules": [{"flaps": f, "constant": list(c), "slope": list(s)} for f, c, s in self.schedules]
+        }
+
+    @classmethod
+    def from_table(cls, table: dict[str, Any]) -> Designed:
+        """Inverse of ``to_table``."""
+        schedules = tuple(
+            Schedule(float(s["flaps"]), tuple(map(float, s["constant"])), tuple(map(float, s["slope"])))
+            for s in table["schedules"]
+        )
+        return cls(**{name: schedules if name == "schedules" else float(table[name]) for name in cls._fields})
+
+
+def design(points: Sequence[OperatingPoint], speed: float, bank_limit: float) -> Designed:
+    """Inner loops at every operating point and the route law for the fastest of them.
+
+    Parameters
+    ----------
+    points : two speeds at each flap setting
+    speed : m/s, at which the route is intercepted
+    bank_limit : rad
+    """
+    settings = sorted({point.flaps for point in points})
+    schedules = []
+    for flaps in settings:
+        pair = sorted((point for point in points if point.flaps == flaps), key=lambda point: point.airspeed)
+        if len(pair) != 2 or pair[0].airspeed == pair[1].airspeed:
+            raise ValueError(
+                f"the design needs two speeds with flaps at {math.degrees(flaps):.0f} deg, not {len(pair)}"
+            )
+        slow, fast = pair
+        x_slow, x_fast = slow.airspeed**-2, fast.airspeed**-2
+        at_slow, at_fast = np.array(_scheduled(slow)), np.array(_scheduled(fast))
+        slope = (at_slow - at_fast) / (x_slow - x_fast)
+        schedules.append(Schedule(flaps, tuple(map(float, at_slow - slope * x_slow)), tuple(map(float, slope))))
+    bandwidth = min(bank_bandwidth(point) for point in points)
+    law = lateral_law(bandwidth, speed, bank_limit)
+    return Designed(
+        tuple(schedules),
+        bandwidth,
+        REFERENCE_SHARE * bandwidth,
+        law.k1,
+        law.k2,
+        law.bank_limit,
+        law.cross_track_limit,
+        law.cross_track_rate_limit,
+    )
+
+
+def _scheduled(point: OperatingPoint) -> list[float]:
+    longitudinal, lateral = longitudinal_gains(point), lateral_gains(point)
+    per_slope = STANDARD_GRAVITY / float(point.longitudinal[1][0, 0])
+    return [
+        *(point.angle_of_attack, point.elevator, point.throttle, per_slope),
+        *longitudinal.ravel().tolist(),
+        *lateral.ravel().tolist(),
+        *steady_sideslip(point),
+    ]
+
+
+def longitudinal_gains(point: OperatingPoint) -> Any:
+    """u = -K e for [throttle, elevator] and the errors of airspeed ... height and the sums of airspeed and height error."""
+    A, B = point.longitudinal
+    A7, B7 = np.zeros((7, 7)), np.zeros((7, 2))
+    A7[:5, :5], B7[:5] = A, B
+    A7[5, 0] = A7[6, 4] = 1.0
+    worst = np.array([AIRSPEED, ANGLE_OF_ATTACK, PITCH_RATE, PITCH, HEIGHT, AIRSPEED_INTEGRAL, HEIGHT_INTEGRAL])
+    return _linear_quadratic(A7, B7, np.diag(worst**-2.0), np.diag(np.array([THROTTLE, ELEVATOR]) ** -2.0))
+
+
+def lateral_gains(point: OperatingPoint) -> Any:
+    """u = -K e for [aileron, rudder]: sideslip, roll rate, yaw rate beyond the turn's, bank error and its sum."""
+    A, B = point.lateral
+    turn = STANDARD_GRAVITY / point.airspeed
+    T = np.eye(4)
+    T[2, 3] = -turn  # yaw rate in excess of that of a coordinated turn at this bank
+    A5, B5 = np.zeros((5, 5)), np.zeros((5, 2))
+    A5[:4, :4], B5[:4] = T @ A @ np.linalg.inv(T), T @ B
+    A5[4, 3] = 1.0
+    worst = np.array([SIDESLIP, ROLL_RATE, YAW_RATE, BANK, BANK_INTEGRAL])
+    return _linear_quadratic(A5, B5, np.diag(worst**-2.0), np.diag(np.array([AILERON, RUDDER]) ** -2.0))
+
+
+def _linear_quadratic(A: Any, B: Any, Q: Any, R: Any) -> Any:
+    return np.linalg.solve(R, B.T @ solve_continuous_are(A, B, Q, R))
+
+
+def steady_sideslip(point: OperatingPoint) -> tuple[float, float, float]:
+    """Aileron, rudder and bank per sideslip on a straight track."""
+    A, B = point.lateral
+    aileron, rudder, bank = np.linalg.solve(np.column_stack([B[:3], A[:3, 3]]), -A[:3, 0])
+    return float(aileron), float(rudder), float(bank)
+
+
+def bank_loop(point: OperatingPoint) -> tuple[Any, Any, Any]:
+    """(A, B, C) from the bank reference to the bank, closed by the lateral gains."""
+    A, B = point.lateral
+    K = lateral_gains(point)
+    turn = STANDARD_GRAVITY / point.airspeed
+    onto = np.zeros((5, 5))  # errors from states, the reference apart
+    onto[:4, :4] = np.eye(4)
+    onto[2, 3], onto[4, 4] = -turn, 1.0
+    A5, B5 = np.zeros((5, 5)), np.zeros((5, 2))
+    A5[:4, :4], B5[:4] = A, B
+    A5[4, 3] = 1.0
+    reference = B5 @ K[:, 3] - np.eye(5)[4]
+    return A5 - B5 @ K @ onto, reference, np.array([0.0, 0.0, 0.0, 1.0, 0.0])
+
+
+def bank_bandwidth(point: OperatingPoint) -> float:
+    """Frequency, rad/s, at which the bank follows its reference with -3 dB."""
+    A, B, C = bank_loop(point)
+    frequency = np.geomspace(0.05, 50.0, 2000)
+    response = np.array([abs(C @ np.linalg.solve(1j * w * np.eye(5) - A, B)) for w in frequency])
+    below = np.nonzero(response < math.sqrt(0.5))[0]
+    if not len(below):
+        raise ValueError("the bank loop has no bandwidth: the model has no usable ailerons")
+    return float(frequency[below[0]])
+
+
+def intercept_peak(damping: float) -> float:
+    """Largest |z''| / (wn |z'|) of the linear law that takes over on the intercept line.
+
+    There z'' is the impulse response: zero at first, with the slope wn^2 z'. Its peak is
+    exp(-damping acos(damping) / sqrt(1 - damping^2)).
+    """
+    if damping >= 1.0:
+        raise ValueError(f"the damping of the route law must be below 1, not {damping}")
+    return math.exp(-damping * math.acos(damping) / math.sqrt(1.0 - damping * damping))
+
+
+def lateral_law(bank_bandwidth: float, speed: float, bank_limit: float) -> LateralNavigation:
+    """Gains and limits of the route law [Vasylyev 2003, eq. (4)] from what the bank loop and the bank limit allow.
+
+    The natural frequency is the lower of a share of the bank bandwidth, so that the lag of the bank does not matter,
+    and of that at which the capture from a 30 degree intercept asks for a share of the bank limit.
+    """
+    closing = speed * math.sin(INTERCEPT)
+    authority = BANK_SHARE * STANDARD_GRAVITY * math.tan(bank_limit) / (intercept_peak(LAW_DAMPING) * closing)
+    frequency = min(LAW_SHARE * bank_bandwidth, authority)
+    k1 = frequency**2 / STANDARD_GRAVITY
+    k2 = 2.0 * LAW_DAMPING * frequency / STANDARD_GRAVITY
+    cross_track_limit = k2 / k1 * closing
+    return LateralNavigation(
+        k1, k2, bank_limit, cross_track_limit, RATE_MARGIN * (k1 * cross_track_limit + bank_limit) / k2
+    )

@@ -1,0 +1,149 @@
+"""What flies: JSBSim under its inner loops, or the papers' point mass; both take the autopilot's commands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+from aircraft.airframe import RATE, Airframe, Runway, Wind, load
+from aircraft.linearise import linearise
+from aircraft.state import AircraftState, Command
+from aircraft.trim import trim
+from autopilot.design import Designed, OperatingPoint, design
+from autopilot.inner_loops import InnerLoops, LoopState
+
+LONGITUDINAL = ("airspeed", "angle_of_attack", "pitch_rate", "pitch", "height")
+LATERAL = ("sideslip", "roll_rate", "yaw_rate", "bank")
+
+
+class Initial(NamedTuple):
+    """Where a flight begins: steady on a course, in the wind that blows there."""
+
+    north: float  # m from the threshold
+    east: float
+    height: float  # m
+    course: float  # rad, over the ground
+    airspeed: float  # m/s
+    flight_path_angle: float = 0.0  # rad, through the air
+    flaps: float = 0.0  # rad
+    gear: float = 0.0
+    leg: int = 0  # of the route
+
+
+class Vehicle(Protocol):
+    """Anything that flies a command; its state is passed, that of JSBSim is a handle used once."""
+
+    def begin(self, initial: Initial, wind: Wind) -> Any:
+        """State at the start."""
+        ...
+
+    def step(self, state: Any, command: Command, dt: float) -> Any:
+        """State ``dt`` seconds later."""
+        ...
+
+    def read(self, state: Any) -> AircraftState:
+        """What sensors and autopilot see."""
+        ...
+
+
+class JsbsimBody:
+    """A flight in progress: the airframe, its loops and what was last read."""
+
+    __slots__ = ("airframe", "loops", "state", "wind")
+
+    def __init__(self, airframe: Airframe, loops: LoopState, state: AircraftState, wind: Wind | None) -> None:
+        self.airframe = airframe
+        self.loops = loops
+        self.state = state
+        self.wind = wind
+
+
+@dataclass(frozen=True)
+class JsbsimVehicle:
+    """A JSBSim aircraft that flies commands through the inner loops of a design."""
+
+    designed: Designed
+    model: str | Path = "an26"
+    mass: float | None = None
+    centre_of_gravity_mac: float | None = None
+    factors: Mapping[str, float] = field(default_factory=dict)
+    runway: Runway = field(default_factory=Runway)
+
+    def begin(self, initial: Initial, wind: Wind | None) -> JsbsimBody:
+        """Load the aircraft afresh and trim it on its course."""
+        airframe = load(self.model, self.mass, self.centre_of_gravity_mac, self.factors, self.runway)
+        steady = trim(
+            airframe,
+            initial.airspeed,
+            initial.flight_path_angle,
+            initial.height,
+            initial.flaps,
+            initial.gear,
+        )
+        moving = (0.0, 0.0, 0.0)
+        if wind is not None:
+            moving = wind.velocity(0.0, (initial.north, initial.east, initial.height), initial.airspeed)
+        across = moving[1] * math.cos(initial.course) - moving[0] * math.sin(initial.course)
+        heading = initial.course - math.asin(max(-1.0, min(across / initial.airspeed, 1.0)))
+        state = airframe.begin(steady.at(initial.north, initial.east, initial.height, heading), moving)
+        return JsbsimBody(airframe, InnerLoops(self.designed).begin(state), state, wind)
+
+    def step(self, state: JsbsimBody, command: Command, dt: float) -> JsbsimBody:
+        """Fly ``dt`` seconds, a multiple of the step of the equations of motion."""
+        body, airframe = state, state.airframe
+        body.loops, controls = InnerLoops(self.designed).step(body.loops, command, body.state, dt)
+        airframe.step(controls, round(dt * RATE), body.wind)
+        body.state = airframe.read()
+        return body
+
+    def read(self, state: JsbsimBody) -> AircraftState:
+        """What was read at the end of the last step."""
+        return state.state
+
+
+class Configuration(NamedTuple):
+    """A flap setting and the speeds between which it is flown."""
+
+    flaps: float  # rad
+    gear: float
+    slowest: float  # m/s
+    fastest: float
+
+
+def designed(
+    configurations: Sequence[Configuration],
+    speed: float,
+    bank_limit: float,
+    height: float = 300.0,
+    model: str | Path = "an26",
+    mass: float | None = None,
+    centre_of_gravity_mac: float | None = None,
+    factors: Mapping[str, float] | None = None,
+    runway: Runway | None = None,
+) -> Designed:
+    """Trim and linearise an aircraft at the speeds of its configurations and design its loops and its route law.
+
+    ``speed`` (m/s) is that of intercepts, ``bank_limit`` (rad) that of the law.
+    """
+    airframe = load(model, mass, centre_of_gravity_mac, factors, runway)
+    points = []
+    for configuration in configurations:
+        for airspeed in (configuration.slowest, configuration.fastest):
+            steady = trim(airframe, airspeed, 0.0, height, configuration.flaps, configuration.gear)
+            linear = linearise(airframe, steady)
+            points.append(
+                OperatingPoint(
+                    configuration.flaps,
+                    configuration.gear,
+                    airspeed,
+                    steady.initial.angle_of_attack,
+                    steady.controls.elevator,
+                    steady.controls.throttle,
+                    linear.part(LONGITUDINAL, ("throttle", "elevator")),
+                    linear.part(LATERAL, ("aileron", "rudder")),
+                )
+            )
+    return design(points, speed, bank_limit)
