@@ -1,0 +1,457 @@
+"""Is an estimate as good as it says? Errors against covariances, with intervals over independent runs.
+
+Errors of one run are correlated in time, runs are not: every interval here is over runs. What is accumulated is sums
+per run and sums per epoch, so that an ensemble needs no histories.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy import stats
+
+from tracking.gaussian import Gaussian, Innovation, Mixture, _cholesky, _forward, merge
+
+Array = Any
+
+LOST_PROBABILITY = 1e-6  # of a true position outside the ellipse of a consistent tracker
+LOST_EPOCHS = 10
+LEVELS = (0.5, 0.9, 0.95)
+
+
+class Interval(NamedTuple):
+    """A measured value with its confidence interval; the ends are NaN where one run says nothing about them."""
+
+    value: float
+    low: float
+    high: float
+    runs: int  # independent samples behind it
+
+    def contains(self, value: float) -> bool:
+        """Whether the interval holds ``value``."""
+        return self.low <= value <= self.high
+
+
+# ---------------------------------------------------------------------------------------------- values per run
+
+
+def normalised_error(estimate: Gaussian | Mixture, truth: Array, components: tuple[int, ...] | None = None) -> Array:
+    """Normalised estimation error squared ``e' P^-1 e`` (*B), of all or of some components.
+
+    Parameters
+    ----------
+    truth : (n, *B), broadcasting.
+    components : indices of the components that are judged; None judges the whole state. Name the two apart: the
+        position of a four-state filter has an expectation of 2, its full state of 4.
+    """
+    gaussian = merge(estimate) if isinstance(estimate, Mixture) else estimate
+    error, cov = gaussian.mean - truth, gaussian.cov
+    if components is not None:
+        error, cov = error[list(components)], cov[np.ix_(components, components)]
+    white = _forward(_cholesky(cov), error)
+    return np.einsum("i...,i...->...", white, white)
+
+
+# ------------------------------------------------------------------------------------------ intervals over runs
+
+
+def mean_interval(samples: Array, level: float = 0.95) -> Interval:
+    """Mean of independent samples (N,) with Student's interval."""
+    samples = _finite(samples)
+    count = len(samples)
+    if count == 0:
+        return Interval(math.nan, math.nan, math.nan, 0)
+    mean = float(samples.mean())
+    if count == 1:
+        return Interval(mean, math.nan, math.nan, 1)
+    half = float(stats.t.ppf(0.5 + 0.5 * level, count - 1) * samples.std(ddof=1) / math.sqrt(count))
+    return Interval(mean, mean - half, mean + half, count)
+
+
+def rmse(mean_squares: Array, level: float = 0.95) -> Interval:
+    """Root mean square error from the mean squared error of each run (N,), with a chi-square interval.
+
+    The degrees of freedom are Satterthwaite's, ``2 N mean^2 / variance``: N d for one epoch of d independent Gaussian
+    components of equal variance, fewer where errors are correlated, unequal or heavy-tailed.
+    """
+    samples = _finite(mean_squares)
+    count = len(samples)
+    if count == 0:
+        return Interval(math.nan, math.nan, math.nan, 0)
+    mean = float(samples.mean())
+    value = math.sqrt(mean)
+    if count == 1:
+        return Interval(value, math.nan, math.nan, 1)
+    spread = float(samples.var(ddof=1))
+    if spread <= 1e-24 * mean * mean:  # all runs alike
+        return Interval(value, value, value, count)
+    freedom = 2.0 * mean * mean * count / spread
+    low, high = stats.chi2.ppf([0.5 - 0.5 * level, 0.5 + 0.5 * level], freedom)
+    return Interval(value, math.sqrt(mean * freedom / high), math.sqrt(mean * freedom / low), count)
+
+
+def gain(reference: Array, improved: Array, level: float = 0.95) -> Interval:
+    """Ratio of the RMSE of ``reference`` to that of ``improved`` on common noise, with a paired interval.
+
+    Both are mean squared errors per run (N,) of the same runs. The interval is Student's, for the logarithm of the
+    ratio linearised in the two means: the noise that both share cancels.
+    """
+    reference, improved = np.asarray(reference, dtype=float), np.asarray(improved, dtype=float)
+    both = np.isfinite(reference) & np.isfinite(improved)
+    reference, improved = reference[both], improved[both]
+    count = len(reference)
+    if count == 0:
+        return Interval(math.nan, math.nan, math.nan, 0)
+    top, bottom = float(reference.mean()), float(improved.mean())
+    if bottom == 0.0:
+        return Interval(math.inf if top > 0.0 else math.nan, math.nan, math.nan, count)
+    ratio = math.sqrt(top / bottom)
+    if count == 1 or top == 0.0:
+        return Interval(ratio, math.nan, math.nan, count)
+    influence = 0.5 * (reference / top - improved / bottom)
+    half = float(stats.t.ppf(0.5 + 0.5 * level, count - 1) * influence.std(ddof=1) / math.sqrt(count))
+    return Interval(ratio, ratio * math.exp(-half), ratio * math.exp(half), count)
+
+
+def paired_difference(one: Array, other: Array, level: float = 0.95) -> Interval:
+    """Mean of ``one - other`` over common runs (N,): log scores, or any value per run."""
+    return mean_interval(np.asarray(one, dtype=float) - np.asarray(other, dtype=float), level)
+
+
+def proportion(count: int, trials: int, level: float = 0.95) -> Interval:
+    """Share of independent trials with Wilson's interval, which also holds at none and at all."""
+    if trials == 0:
+        return Interval(math.nan, math.nan, math.nan, 0)
+    share = count / trials
+    z = float(stats.norm.ppf(0.5 + 0.5 * level))
+    denominator = 1.0 + z * z / trials
+    centre = (share + 0.5 * z * z / trials) / denominator
+    half = z / denominator * math.sqrt(share * (1.0 - share) / trials + 0.25 * z * z / trials**2)
+    return Interval(share, max(centre - half, 0.0), min(centre + half, 1.0), trials)
+
+
+def bootstrap(
+    statistic: Callable[..., Array],
+    samples: tuple[Array, ...],
+    generator: np.random.Generator,
+    level: float = 0.95,
+    resamples: int = 1000,
+) -> Interval:
+    """Percentile interval of any statistic by resampling runs with replacement, common to all samples.
+
+    Parameters
+    ----------
+    statistic : takes as many arrays as there are samples and reduces their last axis.
+    samples : arrays (..., N) of the same N runs (or flights).
+    """
+    count = np.shape(samples[0])[-1]
+    value = float(statistic(*samples))
+    if count < 2:
+        return Interval(value, math.nan, math.nan, count)
+    draws = np.empty(resamples)
+    for i in range(resamples):
+        chosen = generator.integers(0, count, count)
+        draws[i] = statistic(*(np.asarray(sample)[..., chosen] for sample in samples))
+    low, high = np.quantile(draws, [0.5 - 0.5 * level, 0.5 + 0.5 * level])
+    return Interval(value, float(low), float(high), count)
+
+
+# --------------------------------------------------------------------------------- bands of a consistent tracker
+
+
+def mean_square_band(degrees: int, runs: int, level: float = 0.95) -> tuple[float, float]:
+    """Band of ANEES / n or ANIS / m at one epoch: chi-square with ``degrees`` = n or m per run, over its mean."""
+    freedom = degrees * runs
+    low, high = stats.chi2.ppf([0.5 - 0.5 * level, 0.5 + 0.5 * level], freedom) / freedom
+    return float(low), float(high)
+
+
+def rmse_band(runs: int, level: float = 0.95) -> tuple[float, float]:
+    """Band of RMSE / standard deviation of one component at one epoch."""
+    low, high = mean_square_band(1, runs, level)
+    return math.sqrt(low), math.sqrt(high)
+
+
+def correlation_band(samples: int, level: float = 0.95) -> float:
+    """Largest correlation of white innovations over so many runs, or over so many epochs of one run."""
+    return float(stats.norm.ppf(0.5 + 0.5 * level) / math.sqrt(samples))
+
+
+def autocorrelation(white: Array, lags: int) -> Array:
+    """Autocorrelation (lags + 1, *B) of whitened innovations (k, m, *B) along time, 1 at lag 0.
+
+    Compare with `correlation_band` of the m k samples. Absent rows count as zero.
+    """
+    white = np.nan_to_num(np.asarray(white, dtype=float), nan=0.0)
+    power = np.einsum("ki...,ki...->...", white, white)
+    steps = len(white)
+    products = [np.einsum("ki...,ki...->...", white[lag:], white[: steps - lag]) for lag in range(lags + 1)]
+    return np.stack(products) / power
+
+
+# -------------------------------------------------------------------------------------------------- streaming
+
+
+class RunSums(NamedTuple):
+    """Sums over the epochs of each run; the last axis is the run."""
+
+    squares: Array  # (n, N) squared errors
+    nees: Array  # (N,)
+    nees_position: Array  # (N,)
+    inside: Array  # (levels, N) epochs inside the ellipses of the full state
+    inside_position: Array  # (levels, N)
+    log_ratio: Array  # (N,) log10 of NEES over that of the true mean square error matrix
+    absolute_log_ratio: Array  # (N,)
+    log_likelihood: Array  # (N,)
+    nis: Array  # (N,)
+    degrees: Array  # (N,) channels that were measured
+    lagged: Array  # (N,) products of neighbouring whitened innovations
+    outside: Array  # (N,) epochs in a row outside the position ellipse, up to now
+    lost: Array  # (N,) whether it ever was lost
+
+
+class EpochSums(NamedTuple):
+    """Sums over the runs of one epoch."""
+
+    runs: int  # with a finite estimate
+    error: Array  # (n,)
+    product: Array  # (n, n) sum of e e'
+    cov: Array  # (n, n) sum of P
+    nees: float
+    nees_position: float
+    nis: float
+    degrees: float
+    lagged: Array  # (m,) sum of products with the epoch before
+    power: Array  # (m,) sum of squares
+
+
+class Sums(NamedTuple):
+    """What `Consistency` carries from epoch to epoch."""
+
+    runs: RunSums | None
+    epochs: tuple[EpochSums, ...]
+    white: Array | None  # (m, N) the last whitened innovation
+
+
+@dataclass(frozen=True)
+class Consistency:
+    """Statistics of an ensemble of runs, one epoch at a time.
+
+    ``begin``, ``add`` for each epoch of `follow`, ``join`` over chunks of runs, ``summary`` at the end.
+    """
+
+    position: tuple[int, ...]  # indices of the position components of the state
+
+    def begin(self) -> Sums:
+        """Nothing accumulated."""
+        return Sums(None, (), None)
+
+    def add(self, sums: Sums, estimate: Gaussian | Mixture, truth: Array, innovation: Innovation | None) -> Sums:
+        """Add one epoch.
+
+        Parameters
+        ----------
+        estimate : mean (n, N) or (n,); a mixture is judged as its moment-matched Gaussian.
+        truth : (n, N) or, common to all runs, (n, 1) or (n,).
+        """
+        gaussian = merge(estimate) if isinstance(estimate, Mixture) else estimate
+        mean, cov = np.atleast_2d(np.asarray(gaussian.mean).T).T, np.asarray(gaussian.cov)
+        cov = cov[..., None] if cov.ndim == 2 else cov
+        truth = np.asarray(truth, dtype=float)
+        error = mean - (truth[:, None] if truth.ndim == 1 else truth)
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            nees = normalised_error(Gaussian(error, cov), np.zeros(1))
+            nees_position = normalised_error(Gaussian(error, cov), np.zeros(1), self.position)
+            finite = np.isfinite(error).all(axis=0) & np.isfinite(nees)
+            sums_of_epoch, log_ratio = self._epoch(error, cov, nees, nees_position, finite)
+        runs = sums.runs if sums.runs is not None else _no_runs(*error.shape)
+        outside = np.where(finite & (nees_position <= _lost_square(len(self.position))), 0, runs.outside + 1)
+        runs = runs._replace(
+            squares=runs.squares + error**2,
+            nees=runs.nees + nees,
+            nees_position=runs.nees_position + nees_position,
+            inside=runs.inside + (nees <= _ellipses(len(error))),
+            inside_position=runs.inside_position + (nees_position <= _ellipses(len(self.position))),
+            log_ratio=runs.log_ratio + log_ratio,
+            absolute_log_ratio=runs.absolute_log_ratio + np.abs(log_ratio),
+            outside=outside,
+            lost=runs.lost | (outside >= LOST_EPOCHS) | ~finite,
+        )
+        if innovation is None:
+            return Sums(runs, (*sums.epochs, sums_of_epoch), sums.white)
+        white = np.atleast_2d(np.asarray(innovation.white).T).T
+        degrees = np.isfinite(white).sum(axis=0)
+        seen = np.nan_to_num(white, nan=0.0)
+        before = np.zeros_like(seen) if sums.white is None else sums.white
+        nis = np.where(degrees > 0, innovation.nis, 0.0)
+        runs = runs._replace(
+            log_likelihood=runs.log_likelihood + innovation.log_likelihood,
+            nis=runs.nis + nis,
+            degrees=runs.degrees + degrees,
+            lagged=runs.lagged + np.einsum("ij,ij->j", seen, before),
+        )
+        sums_of_epoch = sums_of_epoch._replace(
+            nis=float(nis[finite].sum()),
+            degrees=float(degrees[finite].sum()),
+            lagged=np.einsum("ij,ij->i", seen[:, finite], before[:, finite]),
+            power=np.einsum("ij,ij->i", seen[:, finite], seen[:, finite]),
+        )
+        return Sums(runs, (*sums.epochs, sums_of_epoch), seen)
+
+    def _epoch(
+        self, error: Array, cov: Array, nees: Array, nees_position: Array, finite: Array
+    ) -> tuple[EpochSums, Array]:
+        """Sums over the runs of an epoch, and the credibility ratio of each run (N,)."""
+        count = int(finite.sum())
+        good = error[:, finite]
+        product = good @ good.T
+        spread = cov[..., finite].sum(axis=-1) if cov.shape[-1] == len(finite) else cov[..., 0] * count
+        log_ratio = np.full(len(finite), np.nan)
+        if count > len(error):
+            ideal = normalised_error(Gaussian(good, (product / count)[..., None]), np.zeros(1))
+            log_ratio[finite] = np.log10(nees[finite] / ideal)
+        sums = EpochSums(
+            count,
+            good.sum(axis=1),
+            product,
+            spread,
+            float(nees[finite].sum()),
+            float(nees_position[finite].sum()),
+            0.0,
+            0.0,
+            np.zeros(0),
+            np.zeros(0),
+        )
+        return sums, log_ratio
+
+    def join(self, one: Sums, other: Sums) -> Sums:
+        """Sums of two chunks of runs over the same epochs."""
+        if one.runs is None or other.runs is None:
+            return other if one.runs is None else one
+        if len(one.epochs) != len(other.epochs):
+            raise ValueError("chunks can only be joined over the same epochs")
+        runs = RunSums(*(np.concatenate(pair, axis=-1) for pair in zip(one.runs, other.runs, strict=True)))
+        epochs = (
+            EpochSums(*(a + b for a, b in zip(*pair, strict=True)))
+            for pair in zip(one.epochs, other.epochs, strict=True)
+        )
+        return Sums(runs, tuple(epochs), None)
+
+    def summary(self, sums: Sums, level: float = 0.95) -> Summary:
+        """All statistics with their intervals over runs."""
+        if sums.runs is None:
+            raise ValueError("no epoch was accumulated")
+        runs, epochs = sums.runs, len(sums.epochs)
+        n, count = runs.squares.shape
+        position = list(self.position)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            correlation = runs.lagged / runs.nis
+            anis = runs.nis / runs.degrees
+        return Summary(
+            runs=count,
+            epochs=epochs,
+            rmse=tuple(rmse(row / epochs, level) for row in runs.squares),
+            rmse_position=rmse(runs.squares[position].sum(axis=0) / epochs, level),
+            anees=mean_interval(runs.nees / (n * epochs), level),
+            anees_position=mean_interval(runs.nees_position / (len(position) * epochs), level),
+            anis=mean_interval(anis, level),
+            log_score=mean_interval(runs.log_likelihood / epochs, level),
+            coverage=tuple(mean_interval(row / epochs, level) for row in runs.inside),
+            coverage_position=tuple(mean_interval(row / epochs, level) for row in runs.inside_position),
+            noncredibility=mean_interval(10.0 * runs.absolute_log_ratio / epochs, level),
+            inclination=mean_interval(10.0 * runs.log_ratio / epochs, level),
+            lost=proportion(int(runs.lost.sum()), count, level),
+            white_epochs=_white_epochs(sums.epochs, level),
+            correlation=mean_interval(correlation, level),
+            unbiased_epochs=_unbiased_epochs(sums.epochs, level),
+        )
+
+
+class Summary(NamedTuple):
+    """Statistics of an ensemble. ANEES and ANIS are per component: 1 where the covariance is right."""
+
+    runs: int
+    epochs: int
+    rmse: tuple[Interval, ...]  # of each state component, all epochs
+    rmse_position: Interval  # m, of the distance
+    anees: Interval  # full state
+    anees_position: Interval
+    anis: Interval
+    log_score: Interval  # mean log-likelihood of a measurement given those before it
+    coverage: tuple[Interval, ...]  # share of epochs inside the 50, 90, 95 % ellipses of the full state
+    coverage_position: tuple[Interval, ...]
+    noncredibility: Interval  # Li and Zhao's index, 0 for the ideal covariance
+    inclination: Interval  # its signed form: + too small a covariance
+    lost: Interval
+    white_epochs: Interval  # share of epochs and channels whose lag-one correlation over runs is inside its band
+    correlation: Interval  # lag-one correlation of the whitened innovations along each run
+    unbiased_epochs: Interval  # share of epochs whose mean error is inside its ellipse
+
+
+def _white_epochs(epochs: tuple[EpochSums, ...], level: float) -> Interval:
+    """Share of lag-one correlations over runs inside +-1.96/sqrt(N): independent from epoch to epoch when white."""
+    inside = trials = 0
+    for before, epoch in pairwise(epochs):
+        if len(before.power) and len(epoch.power):
+            with np.errstate(invalid="ignore", divide="ignore"):
+                correlation = epoch.lagged / np.sqrt(epoch.power * before.power)
+            known = np.isfinite(correlation)
+            inside += int((np.abs(correlation[known]) <= correlation_band(epoch.runs, level)).sum())
+            trials += int(known.sum())
+    return proportion(inside, trials, level)
+
+
+def _unbiased_epochs(epochs: tuple[EpochSums, ...], level: float) -> Interval:
+    """Share of epochs with ``N mean(e)' mean(P)^-1 mean(e)`` below its chi-square limit."""
+    inside = trials = 0
+    for epoch in epochs:
+        if epoch.runs:
+            bias = epoch.error / math.sqrt(epoch.runs)
+            square = float(normalised_error(Gaussian(bias, epoch.cov / epoch.runs), np.zeros(len(bias))))
+            inside += int(square <= stats.chi2.ppf(level, len(bias)))
+            trials += 1
+    return proportion(inside, trials, level)
+
+
+def _no_runs(n: int, count: int) -> RunSums:
+    def zeros(*shape: int) -> Array:
+        return np.zeros((*shape, count))
+
+    levels = len(LEVELS)
+    return RunSums(
+        squares=zeros(n),
+        nees=zeros(),
+        nees_position=zeros(),
+        inside=zeros(levels),
+        inside_position=zeros(levels),
+        log_ratio=zeros(),
+        absolute_log_ratio=zeros(),
+        log_likelihood=zeros(),
+        nis=zeros(),
+        degrees=zeros(),
+        lagged=zeros(),
+        outside=np.zeros(count, dtype=int),
+        lost=np.zeros(count, dtype=bool),
+    )
+
+
+@lru_cache
+def _lost_square(degrees: int) -> float:
+    return float(stats.chi2.isf(LOST_PROBABILITY, degrees))
+
+
+@lru_cache
+def _ellipses(degrees: int) -> Array:
+    """Chi-square limits (levels, 1) of the coverage ellipses."""
+    return stats.chi2.ppf(np.array(LEVELS), degrees)[:, None]
+
+
+def _finite(samples: Array) -> Array:
+    samples = np.asarray(samples, dtype=float).ravel()
+    return samples[np.isfinite(samples)]
