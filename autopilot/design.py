@@ -39,7 +39,7 @@ SCHEDULED = (
     *("elevator_airspeed_sum", "elevator_height_sum"),
     *("aileron_sideslip", "aileron_roll_rate", "aileron_yaw_rate", "aileron_bank", "aileron_bank_sum"),
     *("rudder_sideslip", "rudder_roll_rate", "rudder_yaw_rate", "rudder_bank", "rudder_bank_sum"),
-    *("aileron_per_sideslip", "rudder_per_sideslip", "bank_per_sideslip"),
+    *("aileron_per_sideslip", "rudder_per_sideslip"),
 )
 
 
@@ -70,6 +70,7 @@ class Designed(NamedTuple):
     schedules: tuple[Schedule, ...]  # by rising flaps
     bank_bandwidth: float  # rad/s, of the slowest operating point
     reference_frequency: float  # rad/s, of the critically damped bank reference
+    bank_per_sideslip: float  # that keeps the track straight, in the landing configuration
     k1: float
     k2: float
     bank_limit: float
@@ -125,6 +126,7 @@ def design(points: Sequence[OperatingPoint], speed: float, bank_limit: float) ->
         tuple(schedules),
         bandwidth,
         REFERENCE_SHARE * bandwidth,
+        steady_sideslip(min(points, key=lambda point: point.airspeed))[2],
         law.k1,
         law.k2,
         law.bank_limit,
@@ -140,12 +142,12 @@ def _scheduled(point: OperatingPoint) -> list[float]:
         *(point.angle_of_attack, point.elevator, point.throttle, per_slope),
         *longitudinal.ravel().tolist(),
         *lateral.ravel().tolist(),
-        *steady_sideslip(point),
+        *steady_sideslip(point)[:2],
     ]
 
 
 def longitudinal_gains(point: OperatingPoint) -> Any:
-    """u = -K e for [throttle, elevator] and the errors of airspeed ... height and the sums of airspeed and height error."""
+    """u = -K e for [throttle, elevator] and the errors of the five states and the sums of airspeed and height error."""
     A, B = point.longitudinal
     A7, B7 = np.zeros((7, 7)), np.zeros((7, 2))
     A7[:5, :5], B7[:5] = A, B

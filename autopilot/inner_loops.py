@@ -108,7 +108,7 @@ class InnerLoops:
             known, known_flaps, trim, gains = lookup
         # first letter the control, then what it answers to; a last s for the sum
         (throttle_per_slope, tv, ta, tq, tp, th, tvs, ths, ev, ea, eq, ep, eh, evs, ehs, *lateral) = gains
-        (ab, ap, ar, ak, aks, rb, rp, rr, rk, rks, aileron_per_sideslip, rudder_per_sideslip, _) = lateral
+        (ab, ap, ar, ak, aks, rb, rp, rr, rk, rks, aileron_per_sideslip, rudder_per_sideslip) = lateral
 
         bank, pitch = state.bank, state.pitch
         cos_bank, sin_bank = math.cos(bank), math.sin(bank)
