@@ -1,0 +1,206 @@
+"""The path that an aircraft under a law follows, as a tracker knows it: one line, or the legs of a route.
+
+Both answer the same questions, so that a law-aware tracker is written once. On a `Line` the state is the deviation
+and its rate, as published. On `Legs` the state is cartesian and only the acceleration that the law commands is tied to
+the leg: it acts along the leg's normal, and the motion along the leg is uniform. That is the same filter as one that
+holds (along, rate, cross, rate) and rotates mean and covariance at every change of the leg.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from tracking.gaussian import lift
+from tracking.motion import CARTESIAN, GRAVITY, constant_velocity, double_integrator
+
+Array = Any
+Law = Callable[[Any], Array]  # deviation -> bank, rad
+
+CROSS_TRACK = ("cross_track", "cross_track_rate")
+
+
+class Steering(NamedTuple):
+    """What a law says at an estimate, and how that changes across the path."""
+
+    bank: Array  # (*B) rad
+    per_cross_track: Array  # (*B) rad/m
+    per_cross_track_rate: Array  # (*B) rad/(m/s)
+
+
+class ReferencePath(Protocol):
+    """Where the law's deviations are taken from. A place is what of the path is known besides the state."""
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the state components."""
+        ...
+
+    def begin(self, mean: Array) -> Any:
+        """Place of the estimate (n, *B) on the path."""
+        ...
+
+    def deviation(self, place: Any, mean: Array) -> Any:
+        """What the law is asked with."""
+        ...
+
+    def normal(self, place: Any) -> Array:
+        """Unit vector to the right of the path (axes, *C)."""
+        ...
+
+    def advance(self, place: Any, mean: Array, dt: float) -> Any:
+        """Place dt (s) later, when the estimate will be ``mean``."""
+        ...
+
+
+class LineDeviation(NamedTuple):
+    """Deviation from one line; the angles are worked out only for a law that asks for them."""
+
+    cross_track: Array  # m
+    cross_track_rate: Array  # m/s
+    distance_to_go: Array  # m
+    ground_speed: float  # m/s
+
+    @property
+    def bearing_error(self) -> Array:
+        """Bearing to the line's end minus its course, rad: negative to the right of the line."""
+        return -np.arctan2(self.cross_track, self.distance_to_go)
+
+    @property
+    def track_error(self) -> Array:
+        """Course over the ground minus the line's, rad."""
+        return np.arcsin(np.clip(self.cross_track_rate / self.ground_speed, -1.0, 1.0))
+
+    @property
+    def heading_error(self) -> Array:
+        """The same: a tracker knows no heading."""
+        return self.track_error
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line, flown at the chart's ground speed towards its end."""
+
+    ground_speed: float  # m/s
+    distance_to_go: float = math.inf  # m, at the beginning
+    channels = CROSS_TRACK
+
+    def __post_init__(self) -> None:
+        if not self.ground_speed > 0.0:
+            raise ValueError(f"the ground speed along a line must be positive, not {self.ground_speed} m/s")
+
+    def begin(self, mean: Array) -> float:
+        return self.distance_to_go
+
+    def deviation(self, place: Array, mean: Array) -> LineDeviation:
+        return LineDeviation(mean[0], mean[1], place, self.ground_speed)
+
+    def normal(self, place: Array) -> Array:
+        return np.ones(1)
+
+    def advance(self, place: Array, mean: Array, dt: float) -> Array:
+        return place - dt * np.sqrt(np.maximum(self.ground_speed**2 - mean[1] ** 2, 0.0))
+
+
+@dataclass(frozen=True)
+class Legs:
+    """The legs of a route; the place is the index of the leg that each estimate says is being flown."""
+
+    route: Any
+    bank_limit: float  # rad, of the turns between legs
+    channels = CARTESIAN
+
+    @cached_property
+    def _normals(self) -> Array:
+        return np.array([(-leg.direction[1], leg.direction[0]) for leg in self.route.legs]).T
+
+    def begin(self, mean: Array) -> Array:
+        """The leg with the shortest way to fly: the distance to it, plus the arc of the turn onto its course."""
+        speed = np.hypot(mean[1], mean[3])
+        radius = speed**2 / (GRAVITY * math.tan(self.bank_limit))
+        ways = []
+        for index, leg in enumerate(self.route.legs):
+            deviation = self.deviation(np.full(mean.shape[1:], index), mean)
+            short = np.maximum(deviation.distance_to_go - leg.length, 0.0)
+            ways.append(np.hypot(deviation.cross_track, short) + radius * np.abs(deviation.track_error))
+            ways[-1] = np.where(deviation.distance_to_go < 0.0, ways[-1] - deviation.distance_to_go, ways[-1])
+        return np.argmin(ways, axis=0)
+
+    def deviation(self, place: Array, mean: Array) -> Any:
+        return self.route.deviation(place, (mean[0], mean[2]), (mean[1], mean[3]))
+
+    def normal(self, place: Array) -> Array:
+        return self._normals[:, place]
+
+    def advance(self, place: Array, mean: Array, dt: float) -> Array:
+        return self.route.sequence(place, (mean[0], mean[2]), (mean[1], mean[3]), self.bank_limit)
+
+
+def reference_path(route: Any, law: Any) -> ReferencePath:
+    """The line itself, or the legs of a route whose turns are flown at the law's bank limit."""
+    return route if isinstance(route, Line) else Legs(route, float(np.max(law.bank_limit)))
+
+
+def sub_steps(dt: float, longest: float) -> tuple[int, float]:
+    """Number and length (s) of equal steps that cover dt, none above ``longest``."""
+    count = max(1, math.ceil(dt / longest - 1e-9))
+    return count, dt / count
+
+
+def steering(law: Law, path: ReferencePath, place: Any, mean: Array) -> Steering:
+    """Bank and its slopes across the path at the estimate (n, *B), by one call of the law.
+
+    The laws are linear between their limits, so that a one-sided difference is exact there.
+    """
+    small = 1e-3  # m and m/s: far below any limit, far above rounding at 1e5 m
+    normal = lift(path.normal(place), 1, mean.ndim - 1)
+    steps = np.zeros((len(mean), 3, *normal.shape[1:]))
+    steps[0::2, 1] = steps[1::2, 2] = small * normal
+    banks = law(path.deviation(place, mean[:, None] + steps))
+    return Steering(banks[0], (banks[1] - banks[0]) / small, (banks[2] - banks[0]) / small)
+
+
+def push(normal: Array, mean: Array, acceleration: Array, dt: float) -> Array:
+    """Mean (n, *B) after dt of a constant acceleration (*B), m/s2, to the right of the path [Vasylyev 2003, eq. (9)].
+
+    Erratum: (9) leaves B' as an integral, used g [T^2/2, T], which it is for the double integrator (6).
+    """
+    position, rate = mean[0::2], mean[1::2]
+    acceleration = lift(normal, 1, mean.ndim - 1) * acceleration
+    moved = np.empty(np.broadcast_shapes(mean.shape, (len(mean), *acceleration.shape[1:])))
+    moved[0::2] = position + dt * rate + 0.5 * dt**2 * acceleration
+    moved[1::2] = rate + dt * acceleration
+    return moved
+
+
+def folded(control: Steering, dt: float) -> Array:
+    """Transition (2, 2, *C) across the path over dt with the slopes of the law folded in, ``F + g B C``."""
+    F, _, B = double_integrator(dt)
+    feedback = GRAVITY * np.array([control.per_cross_track, control.per_cross_track_rate])
+    batch = feedback.ndim - 1
+    return lift(F, 2, batch) + lift(B[:, None], 2, batch) * feedback
+
+
+def embed(normal: Array, across: Array, along: Array) -> Array:
+    """Matrix (n, n, *C) that is ``across`` (2, 2, *C) along the normal and ``along`` (2, 2) at right angles to it."""
+    if len(normal) == 1:
+        return across
+    batch = max(across.ndim - 2, normal.ndim - 1)
+    normal, across, along = lift(normal, 1, batch), lift(across, 2, batch), lift(along, 2, batch)
+    square = normal[:, None] * normal
+    same = lift(np.eye(len(normal)), 2, batch)
+    blocks = same[:, None, :, None] * along[None, :, None] + square[:, None, :, None] * (across - along)[None, :, None]
+    size = 2 * len(normal)
+    return blocks.reshape(size, size, *blocks.shape[4:])
+
+
+def uniform(path: ReferencePath, dt: float, density: float) -> tuple[Array, Array]:
+    """(F, Q) of uniform motion along every axis of the path's state, with white acceleration of a density (m2/s3)."""
+    F, Q = constant_velocity(dt, density)
+    axes = np.eye(len(path.channels) // 2)
+    return np.kron(axes, F), np.kron(axes, Q)

@@ -1,0 +1,86 @@
+"""The extended Kalman filter that knows the law: the slope of the limited law is part of its covariance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any, NamedTuple
+
+from tracking.gaussian import Gaussian, Innovation, predict, update
+from tracking.measurement import MeasurementModel
+from tracking.motion import GRAVITY
+from tracking.reference_path import (
+    Law,
+    ReferencePath,
+    embed,
+    folded,
+    push,
+    reference_path,
+    steering,
+    sub_steps,
+    uniform,
+)
+
+
+class State(NamedTuple):
+    """Estimate and its place on the path."""
+
+    gaussian: Gaussian
+    place: Any
+
+
+@dataclass(frozen=True)
+class LawEkf:
+    """Mean as in `saturated_control`, covariance through ``F + g B dlaw/dx`` in the same sub-steps.
+
+    Inside the limits it is the closed loop of `linear_feedback`, in saturation the open one of `saturated_control`.
+    It is right only while the aircraft is flown on its own state: where it is flown on this estimate, the error obeys
+    the open loop and the covariance is far too small.
+    """
+
+    law: Annotated[Law, "given"]
+    route: Annotated[Any, "given"]  # a Line, or a route
+    measurement: Annotated[MeasurementModel, "given"]
+    acceleration_density: Annotated[float, "m2/s3"] = 0.1
+    sub_step: Annotated[float, "s"] = 0.1
+
+    def __post_init__(self) -> None:
+        if not self.acceleration_density >= 0.0:
+            raise ValueError(f"acceleration_density must not be negative, not {self.acceleration_density} m2/s3")
+        if not self.sub_step > 0.0:
+            raise ValueError(f"sub_step must be positive, not {self.sub_step} s")
+
+    @cached_property
+    def _path(self) -> ReferencePath:
+        return reference_path(self.route, self.law)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        return self._path.channels
+
+    def begin(self, prior: Gaussian) -> State:
+        return State(prior, self._path.begin(prior.mean))
+
+    def step(self, state: State, dt: float, z: Any | None, R: Any | None) -> tuple[State, Innovation | None]:
+        if dt > 0.0:
+            count, step = sub_steps(dt, self.sub_step)
+            for _ in range(count):
+                state = advance(self.law, self._path, state, step, self.acceleration_density)
+        if z is None:
+            return state, None
+        gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
+        return State(gaussian, state.place), innovation
+
+    def estimate(self, state: State) -> Gaussian:
+        return state.gaussian
+
+
+def advance(law: Law, path: ReferencePath, state: State, dt: float, density: float) -> State:
+    """State after one sub-step with the control held, and the covariance that belongs to it."""
+    gaussian, place = state
+    control = steering(law, path, place, gaussian.mean)
+    normal = path.normal(place)
+    F, Q = uniform(path, dt, density)
+    moved = predict(gaussian, embed(normal, folded(control, dt), F[:2, :2]), Q)
+    mean = push(normal, gaussian.mean, GRAVITY * control.bank, dt)
+    return State(moved._replace(mean=mean), path.advance(place, mean, dt))

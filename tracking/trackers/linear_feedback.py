@@ -1,0 +1,103 @@
+"""The law without its limits, folded into the dynamics of the filter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from tracking.gaussian import Gaussian, Innovation, predict, update
+from tracking.measurement import MeasurementModel
+from tracking.motion import GRAVITY, closed_loop
+from tracking.reference_path import (
+    Law,
+    Line,
+    ReferencePath,
+    embed,
+    folded,
+    reference_path,
+    steering,
+    sub_steps,
+    uniform,
+)
+
+
+class State(NamedTuple):
+    """Estimate and its place on the path."""
+
+    gaussian: Gaussian
+    place: Any
+
+
+@dataclass(frozen=True)
+class LinearFeedback:
+    """Kalman filter of ``X' = (F + B C) X`` with ``U = C X`` folded into F [Vasylyev 2003, eqs. (2), (3), (7), (8)].
+
+    C is the slope of the law on the path itself, so the same filter serves both laws: k1 and k2 of the route mode, and
+    k3 / distance, k4 / ground speed of the radio-beacon mode, whose stiffness grows on the way. On a route every leg is
+    a line of its own, chosen by the estimate; there the feedback is folded in once per ``sub_step``, because the
+    stiffness may differ from run to run.
+
+    Erratum: (7) printed ``+ [0; g] u`` beside the folded feedback, used none, because it would apply the gains twice.
+    """
+
+    law: Annotated[Law, "given"]
+    route: Annotated[Any, "given"]  # a Line, or a route
+    measurement: Annotated[MeasurementModel, "given"]
+    acceleration_density: Annotated[float, "m2/s3"] = 0.1
+    sub_step: Annotated[float, "s"] = 0.1
+
+    def __post_init__(self) -> None:
+        if not self.acceleration_density >= 0.0:
+            raise ValueError(f"acceleration_density must not be negative, not {self.acceleration_density} m2/s3")
+        if not self.sub_step > 0.0:
+            raise ValueError(f"sub_step must be positive, not {self.sub_step} s")
+
+    @cached_property
+    def _path(self) -> ReferencePath:
+        return reference_path(self.route, self.law)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        return self._path.channels
+
+    def begin(self, prior: Gaussian) -> State:
+        return State(prior, self._path.begin(prior.mean))
+
+    def step(self, state: State, dt: float, z: Any | None, R: Any | None) -> tuple[State, Innovation | None]:
+        if dt > 0.0:
+            state = self._on_line(state, dt) if isinstance(self._path, Line) else self._on_legs(state, dt)
+        if z is None:
+            return state, None
+        gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
+        return State(gaussian, state.place), innovation
+
+    def estimate(self, state: State) -> Gaussian:
+        return state.gaussian
+
+    def _on_line(self, state: State, dt: float) -> State:
+        """By (8), with the gains of the middle of the step: one covariance for all runs."""
+        on_line = np.zeros(2)
+        middle = self._path.advance(state.place, on_line, 0.5 * dt)
+        control = steering(self.law, self._path, middle, on_line)
+        stiffness, damping = -GRAVITY * float(control.per_cross_track), -GRAVITY * float(control.per_cross_track_rate)
+        F, Q = closed_loop(dt, stiffness, damping, self.acceleration_density)
+        return State(predict(state.gaussian, F, Q), self._path.advance(state.place, on_line, dt))
+
+    def _on_legs(self, state: State, dt: float) -> State:
+        count, step = sub_steps(dt, self.sub_step)
+        F, Q = uniform(self._path, step, self.acceleration_density)
+        for _ in range(count):
+            (mean, cov), place = state
+            normal = self._path.normal(place)
+            deviation = self._path.deviation(place, mean)
+            off_leg = np.empty_like(mean)
+            off_leg[0::2], off_leg[1::2] = normal * deviation.cross_track, normal * deviation.cross_track_rate
+            on_leg = mean - off_leg
+            control = steering(self.law, self._path, place, on_leg)
+            transition = embed(normal, folded(control, step), F[:2, :2])
+            moved = predict(Gaussian(off_leg, cov), transition, Q, F @ on_leg)
+            state = State(moved, self._path.advance(place, moved.mean, step))
+        return state

@@ -1,0 +1,100 @@
+"""The law flown along a route with real course kinematics: north, east and velocity, turned by the commanded bank."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+
+from tracking.gaussian import Gaussian, Innovation, predict, update
+from tracking.measurement import MeasurementModel
+from tracking.motion import CARTESIAN, GRAVITY, course_kinematics, planar_constant_velocity
+from tracking.reference_path import Law, Legs, steering, sub_steps
+
+
+class State(NamedTuple):
+    """Estimate and the leg that it says is being flown."""
+
+    gaussian: Gaussian
+    leg: Any  # int (*B)
+
+
+@dataclass(frozen=True)
+class RouteControl:
+    """``course' = g tan(bank) / V`` with ``bank = law(deviation of the estimate from its own leg)``.
+
+    It goes beyond [Vasylyev 2003, eqs. (4), (6)], which belong to one line and are void at a course error of 90 deg.
+
+    ``covariance`` says what the bank is to the filter. ``known_control``: an input, which it truly is where the
+    aircraft is flown on this very estimate; F holds the kinematics of the turn and no law. ``jacobian``: a function of
+    the state, which it truly is where the aircraft flies on its own; F holds the slope of the law as well. The second
+    is sharper, but diverges where the first belongs; the first is only pessimistic where the second belongs.
+    """
+
+    law: Annotated[Law, "given"]
+    route: Annotated[Any, "given"]
+    measurement: Annotated[MeasurementModel, "given"]
+    covariance: Literal["known_control", "jacobian"] = "known_control"
+    acceleration_density: Annotated[float, "m2/s3"] = 0.1
+    sub_step: Annotated[float, "s"] = 0.2
+
+    channels = CARTESIAN
+
+    def __post_init__(self) -> None:
+        if self.covariance not in ("known_control", "jacobian"):
+            raise ValueError(f"covariance is 'known_control' or 'jacobian', not '{self.covariance}'")
+        if not self.acceleration_density >= 0.0:
+            raise ValueError(f"acceleration_density must not be negative, not {self.acceleration_density} m2/s3")
+        if not self.sub_step > 0.0:
+            raise ValueError(f"sub_step must be positive, not {self.sub_step} s")
+
+    @cached_property
+    def _path(self) -> Legs:
+        return Legs(self.route, float(np.max(self.law.bank_limit)))  # type: ignore[attr-defined]
+
+    def begin(self, prior: Gaussian) -> State:
+        return State(prior, self._path.begin(prior.mean))
+
+    def step(self, state: State, dt: float, z: Any | None, R: Any | None) -> tuple[State, Innovation | None]:
+        if dt > 0.0:
+            count, step = sub_steps(dt, self.sub_step)
+            _, Q = planar_constant_velocity(step, self.acceleration_density, self.acceleration_density)
+            forward = known_control if self.covariance == "known_control" else autonomous
+            for _ in range(count):
+                state = forward(self.law, self._path, state, step, Q)
+        if z is None:
+            return state, None
+        gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
+        return State(gaussian, state.leg), innovation
+
+    def estimate(self, state: State) -> Gaussian:
+        return state.gaussian
+
+
+def known_control(law: Law, path: Legs, state: State, dt: float, Q: Any) -> State:
+    """State after one sub-step; the bank is an input of the covariance."""
+    gaussian, leg = state
+    bank = law(path.deviation(leg, gaussian.mean))
+    mean, F = course_kinematics(gaussian.mean, bank, dt)
+    return State(predict(gaussian, F, Q)._replace(mean=mean), path.advance(leg, mean, dt))
+
+
+def autonomous(law: Law, path: Legs, state: State, dt: float, Q: Any) -> State:
+    """State after one sub-step; the bank is a function of the state that F carries."""
+    gaussian, leg = state
+    control = steering(law, path, leg, gaussian.mean)
+    mean, F = course_kinematics(gaussian.mean, control.bank, dt)
+    normal = path.normal(leg)
+    gradient = np.empty(np.broadcast_shapes(mean.shape, (4, *control.per_cross_track.shape)))  # d bank / d state
+    gradient[0::2] = normal * control.per_cross_track
+    gradient[1::2] = normal * control.per_cross_track_rate
+    # the bank acts at right angles to the velocity: d acceleration / d bank = g / cos^2(bank)
+    north_rate, east_rate = mean[1], mean[3]
+    speed = np.maximum(np.hypot(north_rate, east_rate), 1.0)
+    push = GRAVITY / np.cos(control.bank) ** 2 / speed
+    north, east = -east_rate * push, north_rate * push
+    effect = np.stack([0.5 * dt**2 * north, dt * north, 0.5 * dt**2 * east, dt * east])
+    F = F + effect[:, None] * gradient
+    return State(predict(gaussian, F, Q)._replace(mean=mean), path.advance(leg, mean, dt))
