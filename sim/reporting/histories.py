@@ -1,0 +1,125 @@
+"""Records over time: bank against its limits, speed and configuration, deviations from the path."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.flight import Flight
+from sim.reporting import style
+from sim.reporting.curves import by_phase, over_time, pad, phase_strip
+from sim.reporting.quantities import words
+from sim.reporting.thinning import where
+from sim.signals import height_error
+from sim.tables import Runway
+
+STRIP = 0.17  # in, height of the strip of phases
+TIME = "time, s"
+
+
+def bank_history(flight: Flight, law: Any, bank_limit: float) -> Any:
+    """Figure of bank and its command; below, when each limit of the law was reached."""
+    limiters = _limiters(flight, law, bank_limit)
+    figure, (strip, axes, bars) = style.panels(STRIP, 1.9, 0.2 * len(limiters))
+    phase_strip(strip, flight)
+    limit = float(np.degrees(bank_limit))
+    for first, last in where(limiters["bank"]):
+        axes.axvspan(flight.time[first], flight.time[last - 1], color=style.ORANGE, alpha=0.25, linewidth=0)
+    for side in (-limit, limit):
+        axes.axhline(
+            side, color=style.VERMILION, linewidth=0.8, dashes=(4, 3), label="bank limit" if side > 0 else None
+        )
+    over_time(axes, flight, np.degrees(flight.command.bank), color=style.BLACK, linewidth=0.9, label="command")
+    over_time(axes, flight, np.degrees(flight.state.bank), color=style.BLUE, linewidth=1.3, label="bank")
+    pad(axes, 2.0)
+    axes.set_ylabel("bank, deg (+ right)")
+    axes.legend(loc="upper right", ncols=3)
+    colours = {"bank": style.ORANGE}
+    _bars(bars, flight, {f"{n} limited": (reached, colours.get(n, style.SKY)) for n, reached in limiters.items()})
+    return figure
+
+
+def _bars(axes: Any, flight: Flight, rows: dict[str, tuple[np.ndarray, str]]) -> None:
+    """One row for each name, with a bar wherever its mask is True."""
+    for row, (mask, colour) in enumerate(rows.values()):
+        spans = [(flight.time[a], max(flight.time[b - 1] - flight.time[a], 1e-3)) for a, b in where(mask)]
+        axes.broken_barh(spans, (row + 0.15, 0.7), color=colour, linewidth=0)
+    axes.set_ylim(len(rows), 0)
+    axes.set_yticks(np.arange(len(rows)) + 0.5, list(rows), fontsize=6)
+    axes.grid(False, axis="y")
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlabel(TIME)
+
+
+def _limiters(flight: Flight, law: Any, bank_limit: float) -> dict[str, np.ndarray]:
+    """When the command stood at the bank limit, and when each input of the law was beyond its own."""
+    deviation = flight.deviation
+    reached = {"bank": np.abs(flight.command.bank) >= bank_limit * (1 - 1e-6)}
+    for name, field, value in (
+        ("offset", "cross_track_limit", deviation.cross_track),
+        ("rate", "cross_track_rate_limit", deviation.cross_track_rate),
+        ("bearing", "bearing_limit", deviation.bearing_error),
+    ):
+        if hasattr(law, field):
+            reached[name] = np.abs(value) >= getattr(law, field)
+    return reached
+
+
+def speed_history(flight: Flight) -> Any:
+    """Figure of airspeed against its schedule, ground speed, flaps and gear."""
+    state = flight.state
+    figure, (strip, axes, settings, bars) = style.panels(STRIP, 1.7, 0.7, 0.2)
+    phase_strip(strip, flight)
+    over_time(axes, flight, state.ground_speed, color=style.GREY, linewidth=0.9, label="ground speed")
+    over_time(axes, flight, flight.command.airspeed, color=style.BLACK, linewidth=0.9, label="airspeed asked for")
+    over_time(axes, flight, state.airspeed, color=style.BLUE, linewidth=1.3, label="true airspeed")
+    pad(axes, 10.0)
+    axes.set_ylabel("speed, m/s")
+    axes.legend(loc="lower left", ncols=3)
+    over_time(settings, flight, np.degrees(state.flaps), color=style.BLUE)
+    settings.set_ylabel("flaps, deg")
+    settings.set_ylim(-4, 46)
+    _bars(bars, flight, {"gear down": (np.asarray(state.gear) > 0.99, style.GREEN)})
+    return figure
+
+
+def error_history(flight: Flight, runway: Runway) -> Any:
+    """Figure of cross-track and height error over the whole flight, against the leg then active."""
+    figure, (strip, across, above) = style.panels(STRIP, 1.25, 1.25)
+    phase_strip(strip, flight)
+    by_phase(across, flight, flight.time, flight.deviation.cross_track)
+    across.set_ylabel("cross-track, m (+ right)")
+    pad(across, 10.0)
+    by_phase(above, flight, flight.time, height_error(flight, runway))
+    above.set_ylabel("height error, m")
+    pad(above, 4.0)
+    above.set_xlabel(TIME)
+    for axes in (across, above):
+        axes.axhline(0.0, color=style.BLACK, linewidth=0.5, zorder=1)
+    return figure
+
+
+def final_errors(flight: Flight, runway: Runway) -> tuple[Any, str] | None:
+    """Figure of both errors on the last stretch, over the distance to the end of the leg, and the phases it shows.
+
+    The stretch is the glide path down to the ground, else the final leg; None where neither was flown.
+    """
+    for phases in (("glide", "flare"), ("final",)):
+        among = flight.during(phases)
+        if among.sum() > 1:
+            break
+    else:
+        return None
+    to_go = flight.deviation.distance_to_go * 1e-3
+    figure, (across, above) = style.panels(1.25, 1.25)
+    by_phase(across, flight, to_go, flight.deviation.cross_track, among)
+    across.set_ylabel("cross-track, m (+ right)")
+    by_phase(above, flight, to_go, height_error(flight, runway), among)
+    above.set_ylabel("height error, m")
+    for axes in (across, above):
+        pad(axes, 0.5)
+        axes.axhline(0.0, color=style.BLACK, linewidth=0.5, zorder=1)
+    above.set_xlim(float(np.nanmax(to_go[among])), float(np.nanmin(to_go[among])))
+    above.set_xlabel("distance to the end of the leg, km")
+    return figure, " and ".join(words(name) for name in phases if flight.during(name).any())

@@ -1,0 +1,98 @@
+"""How figures look: colours that the colour-blind can tell apart, text that prints on A4, one way to embed."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import io
+from collections.abc import Iterator
+from typing import Any
+
+WIDTH = 7.2  # in, of every figure: the text width of an A4 page
+LEFT, RIGHT, TOP, BOTTOM, GAP = 0.62, 0.12, 0.10, 0.40, 0.10  # in, so that the time axes of all figures agree
+
+# Okabe and Ito's set, without the yellow that vanishes on white
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
+LIGHT = "#E4E4E4"
+
+PHASE_COLOURS = {
+    "intercept": GREY,
+    "downwind": BLUE,
+    "base_turn": ORANGE,
+    "base": SKY,
+    "final_turn": VERMILION,
+    "final": GREEN,
+    "glide": PURPLE,
+    "flare": BLACK,
+    "ground": GREY,
+    "go_around": VERMILION,
+}
+
+_STYLE = {
+    "font.family": "sans-serif",
+    "font.size": 8.0,
+    "axes.labelsize": 8.0,
+    "axes.titlesize": 8.0,
+    "axes.titlelocation": "left",
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "grid.color": LIGHT,
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.1,
+    "lines.solid_capstyle": "round",
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "legend.borderaxespad": 0.2,
+    "legend.borderpad": 0.2,
+    "svg.fonttype": "none",  # text stays text: smaller, sharper, readable by a screen reader
+    "svg.hashsalt": "shortfinal",
+    "path.simplify": True,
+    "text.parse_math": False,
+}
+
+
+def phase_colour(name: str) -> str:
+    """The colour of a phase, the same in every figure."""
+    return PHASE_COLOURS.get(name, GREY)
+
+
+@contextlib.contextmanager
+def drawing() -> Iterator[None]:
+    """Inside, matplotlib draws in this style; outside, a user's own settings are untouched."""
+    import matplotlib
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_STYLE)
+        yield
+
+
+def panels(*heights: float, share: bool = True, top: float = TOP, bottom: float = BOTTOM) -> tuple[Any, list[Any]]:
+    """A figure of the page's width with axes of the given heights (in) below each other on one x axis."""
+    from matplotlib.figure import Figure
+
+    height = top + sum(heights) + GAP * (len(heights) - 1) + bottom
+    figure, axes, edge = Figure((WIDTH, height)), [], height - top
+    for panel in heights:
+        edge -= panel
+        box = (LEFT / WIDTH, edge / height, (WIDTH - LEFT - RIGHT) / WIDTH, panel / height)
+        axes.append(figure.add_axes(box, sharex=axes[0] if share and axes else None))
+        edge -= GAP
+    for upper in axes[:-1] if share else ():
+        upper.tick_params(labelbottom=False)
+    return figure, axes
+
+
+def data_uri(figure: Any) -> str:
+    """The figure as an SVG image that carries itself; the same figure gives the same bytes."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    return "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode()
