@@ -1,0 +1,207 @@
+"""What a filter costs: operations counted by numbers that count, and words of memory.
+
+The realisations of `tracking.trackers.elevation` run unchanged on `Number`s; nothing is assumed about how they
+multiply. The print charges the inversion of an m x m matrix with m^3 multiplications and as many additions; the
+operations really counted stand beside it. Counting is dense, as in the print: multiplications by the zeros and ones
+of A and C count too, which flatters the stored gain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tracking.trackers.elevation import Model, arbitrary_gain, full, information, stored_gain
+
+Array = Any
+
+REALISATIONS = (1, 2, 3, 4)
+
+
+class Operations(NamedTuple):
+    """Arithmetic of one step; divisions count as multiplications, subtractions as additions, as in the print."""
+
+    multiplications: int
+    additions: int
+
+
+class Words(NamedTuple):
+    """Memory in words of one number each."""
+
+    rom: int  # constants, written once
+    ram: int  # what one step hands to the next
+
+
+@dataclass
+class Tally:
+    """The running count that the `Number`s of one calculation share."""
+
+    multiplications: int = 0
+    additions: int = 0
+
+    def total(self) -> Operations:
+        return Operations(self.multiplications, self.additions)
+
+
+class Number:
+    """A float that writes every operation on it into its tally."""
+
+    __slots__ = ("tally", "value")
+
+    def __init__(self, value: float, tally: Tally) -> None:
+        self.value = value
+        self.tally = tally
+
+    def _product(self, value: float) -> Number:
+        self.tally.multiplications += 1
+        return Number(value, self.tally)
+
+    def _sum(self, value: float) -> Number:
+        self.tally.additions += 1
+        return Number(value, self.tally)
+
+    def __mul__(self, other: Any) -> Number:
+        return self._product(self.value * _value(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Number:
+        return self._product(self.value / _value(other))
+
+    def __rtruediv__(self, other: Any) -> Number:
+        return self._product(_value(other) / self.value)
+
+    def __add__(self, other: Any) -> Number:
+        return self._sum(self.value + _value(other))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Number:
+        return self._sum(self.value - _value(other))
+
+    def __rsub__(self, other: Any) -> Number:
+        return self._sum(_value(other) - self.value)
+
+
+def _value(number: Any) -> float:
+    return float(number.value) if isinstance(number, Number) else float(number)
+
+
+def numbers(array: Array, tally: Tally) -> Array:
+    """The array with every entry a `Number` of this tally."""
+    array = np.asarray(array, dtype=float)
+    counting = np.empty(array.shape, dtype=object)
+    for index, value in np.ndenumerate(array):
+        counting[index] = Number(float(value), tally)
+    return counting
+
+
+def values(array: Array) -> Array:
+    """The floats of an array of `Number`s."""
+    return np.vectorize(_value, otypes=[float])(array)
+
+
+def charged_inverse(S: Array) -> Array:
+    """Inverse of a matrix of `Number`s, charged with n^3 of either operation [Volovyk 2018, eqs. (24)-(25)]."""
+    tally, n = S[0, 0].tally, len(S)
+    tally.multiplications += n**3
+    tally.additions += n**3
+    return numbers(np.linalg.inv(values(S)), tally)
+
+
+def counted_inverse(S: Array) -> Array:
+    """Inverse by Gauss-Jordan elimination without pivoting, enough for a covariance; every operation counts."""
+    n = len(S)
+    S = S.copy()
+    inverse = np.empty_like(S)
+    inverse[:] = 0.0
+    for k in range(n):
+        inverse[k, k] = 1.0
+    for k in range(n):
+        pivot = 1.0 / S[k, k]
+        S[k, k + 1 :] = S[k, k + 1 :] * pivot
+        inverse[k, :k] = inverse[k, :k] * pivot
+        inverse[k, k] = pivot
+        for i in range(n):
+            if i == k:
+                continue
+            factor = S[i, k]
+            S[i, k + 1 :] = S[i, k + 1 :] - S[k, k + 1 :] * factor
+            inverse[i, :k] = inverse[i, :k] - inverse[k, :k] * factor
+            inverse[i, k] = 0.0 - factor * pivot
+    return inverse
+
+
+def counted(
+    realisation: int, states: int, channels: int, inverse: Callable[[Array], Array] = charged_inverse
+) -> Operations:
+    """Operations of one step of a realisation, counted while it runs on dense random matrices.
+
+    Parameters
+    ----------
+    inverse : `charged_inverse`, the print's convention, or `counted_inverse`, what an elimination really takes.
+    """
+    random = np.random.default_rng(0)  # the count does not depend on the values; zeros must not occur
+    tally = Tally()
+
+    def dense(rows: int, columns: int) -> Array:
+        return numbers(random.uniform(0.5, 1.5, (rows, columns)), tally)
+
+    def covariance(n: int) -> Array:
+        return numbers(np.eye(n) + 0.1, tally)
+
+    model = Model(dense(states, states), covariance(states), dense(channels, states), covariance(channels))
+    x, P, z = dense(states, 1)[:, 0], covariance(states), dense(channels, 1)[:, 0]
+    K = dense(states, channels)
+    if realisation == 1:
+        full(x, P, z, model, inverse)
+    elif realisation == 2:
+        arbitrary_gain(x, P, z, K, model)
+    elif realisation == 3:
+        information(x, P, z, model, inverse)
+    elif realisation == 4:
+        stored_gain(x, z, K, model.A, model.C)
+    else:
+        raise ValueError("realisation must be 1, 2, 3 or 4")
+    return tally.total()
+
+
+def full_filter_operations(n: int, m: int) -> Operations:
+    """Operations M1, S1 of realisation 1 with n states and m channels [Volovyk 2018, eqs. (24)-(25)]."""
+    common = 3 * n**3 + 2 * n**2 * m + 2 * n * m**2 + m**3
+    return Operations(common + n**2 + 2 * n * m, common - n**2 - n)
+
+
+def stored_gain_operations(n: int, m: int) -> Operations:
+    """Operations M4, S4 of realisation 4 with n states and m channels [Volovyk 2018, eqs. (24)-(25)]."""
+    return Operations(n**2 + 2 * n * m, n**2 - n + 2 * n * m)
+
+
+def saving(n: int, m: int) -> tuple[float, float]:
+    """Shares K_M, K_S of multiplications and additions that a stored gain saves [Volovyk 2018, eqs. (24), (25)]."""
+    all_of_it, rest = full_filter_operations(n, m), stored_gain_operations(n, m)
+    return 1.0 - rest.multiplications / all_of_it.multiplications, 1.0 - rest.additions / all_of_it.additions
+
+
+def memory(realisation: int, states: int, channels: int, gains: int = 0) -> Words:
+    """Words of memory of a realisation [Volovyk 2018, resources of the variants].
+
+    Constants are A, B Q B', C and R (B Q B' is stored, as the counts assume); the state is x, and P where it is
+    needed.
+
+    Parameters
+    ----------
+    gains : number of stored gains (variants 2 and 4): the steps of the leg, or those until the gain has settled.
+    """
+    n, m = states, channels
+    schedule = gains * n * m
+    if realisation == 1 or realisation == 3:
+        return Words(2 * n**2 + n * m + m**2, n + n**2)
+    if realisation == 2:
+        return Words(2 * n**2 + n * m + m**2 + schedule, n + n**2)
+    if realisation == 4:
+        return Words(n**2 + n * m + schedule, n)
+    raise ValueError("realisation must be 1, 2, 3 or 4")
