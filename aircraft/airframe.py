@@ -98,7 +98,7 @@ class InitialCondition(NamedTuple):
 
 
 class Airframe:
-    """One aircraft in flight. Build it with ``load``; ``begin`` it (again and again until it has moved), then ``step``."""
+    """One aircraft in flight: ``load`` it, ``begin`` it (again and again until it has moved), then ``step`` it."""
 
     def __init__(
         self, executive: Any, aircraft: AircraftData, runway: Runway, main_gear: tuple[int, ...], has_propellers: bool
@@ -303,7 +303,8 @@ def load(
     if mass is not None:
         if not aircraft.mass_min <= mass <= aircraft.mass_max:
             raise ModelError(
-                f"mass of '{source.name}' must lie between {aircraft.mass_min:.0f} and {aircraft.mass_max:.0f} kg, not {mass} kg"
+                f"mass of '{source.name}' must lie between {aircraft.mass_min:.0f} and {aircraft.mass_max:.0f} kg, "
+                f"not {mass} kg"
             )
         loading.apply_mass(source, mass)
     if centre_of_gravity_mac is not None:

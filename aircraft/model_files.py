@@ -40,11 +40,11 @@ def stock_root() -> Path:
     return Path(jsbsim.get_default_root_dir())
 
 
-def available() -> tuple[str, ...]:
-    """Names that ``read`` understands: own models first, then the stock ones."""
+def available() -> dict[str, str]:
+    """Names that ``read`` understands, own models first, and where each is from."""
     own = sorted(path.parent.name for path in OWN_MODELS.glob("*/*.xml") if path.stem == path.parent.name)
     stock = sorted(path.name for path in (stock_root() / "aircraft").iterdir() if (path / f"{path.name}.xml").is_file())
-    return (*own, *(name for name in stock if name not in own))
+    return dict.fromkeys(own, "own model") | {name: "stock aircraft of JSBSim" for name in stock if name not in own}
 
 
 def folder(model: str | Path) -> Path:
@@ -61,7 +61,7 @@ def folder(model: str | Path) -> Path:
     for place in (OWN_MODELS / text, stock_root() / "aircraft" / text):
         if text and (place / f"{place.name}.xml").is_file():
             return place
-    names = available()
+    names = tuple(available())
     near = difflib.get_close_matches(text, names, n=3, cutoff=0.5)
     hint = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else f"known are {', '.join(names)}"
     raise ModelError(f"there is no aircraft '{text}': {hint}")

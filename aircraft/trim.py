@@ -62,7 +62,8 @@ def trim(
         raise TrimError(f"airspeed must be positive, not {airspeed} m/s")
     if not 0.0 <= flaps <= airframe.full_flaps + 1e-9:
         raise TrimError(
-            f"flaps must lie between 0 and {math.degrees(airframe.full_flaps):.0f} deg, not {math.degrees(flaps):.0f} deg"
+            f"flaps must lie between 0 and {math.degrees(airframe.full_flaps):.0f} deg, "
+            f"not {math.degrees(flaps):.0f} deg"
         )
 
     def condition(unknowns: np.ndarray) -> InitialCondition:

@@ -10,6 +10,7 @@ of the An-24, which has the same wing; that polar therefore cannot also judge it
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -187,7 +188,7 @@ def extra_drag(alpha: float, flaps: float, slope: float) -> float:
 
 
 def pitch_moment_at_zero(values: dict[str, float]) -> float:
-    """Cm that leaves the elevator neutral at 72 m/s, flaps 15 deg, level, 20 t: the stabiliser's setting is chosen so."""
+    """Cm that leaves the elevator near neutral at 72 m/s, flaps 15 deg, level, 20 t: the stabiliser is set so."""
     pressure = 0.5 * 1.225 * 72.0**2
     lift = fact("mass") * STANDARD_GRAVITY / (pressure * fact("area"))
     alpha = (lift - POLAR[15.0][0]) / values["CLa"] - fact("incidence")
@@ -232,7 +233,7 @@ def aerodynamics() -> str:
     aspect_ratio = fact("span") ** 2 / fact("area")
     k = handbook.induced_drag_factor(aspect_ratio, fact("oswald"))
 
-    def over_alpha(form) -> str:  # noqa: ANN001
+    def over_alpha(form: Callable[[float, float], float]) -> str:
         rows: list[tuple[float, ...]] = [flaps]
         for at_wing in ALPHAS:
             alpha = math.radians(at_wing)
@@ -242,7 +243,7 @@ def aerodynamics() -> str:
     heights = (0.0, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.5)
     above = fact("wing_height") / fact("span")  # the wing is higher than the reference point
 
-    def over_height(form) -> str:  # noqa: ANN001
+    def over_height(form: Callable[[float], float]) -> str:
         return table([(height, form(height + above)) for height in heights], "aero/h_b-mac-ft")
 
     at_zero = table([(flap, POLAR[flap][0]) for flap in flaps], "fcs/flap-pos-deg")

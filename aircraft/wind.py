@@ -1,0 +1,168 @@
+"""Air in motion: a steady wind, and Dryden turbulence of low altitude on top of it.
+
+Directions are the way the air moves, (north, east, up), unless a name says "from".
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+FOOT = 0.3048  # m; the forms of the specification are in feet
+LOWEST, HIGHEST = 10.0 * FOOT, 1000.0 * FOOT  # m above the ground, between which the low-altitude forms hold
+REFRESH = 12  # steps between two looks at height and airspeed: 0.1 s, 6 m of flight
+ROOT_THREE = math.sqrt(3.0)
+INTENSITIES = {"light": 7.7166667, "moderate": 15.4333333, "severe": 23.15}  # m/s: 15, 30, 45 kt at 20 ft
+
+
+class SteadyWind(NamedTuple):
+    """The same wind everywhere and always."""
+
+    north: float = 0.0  # m/s
+    east: float = 0.0
+    up: float = 0.0
+
+    def velocity(
+        self, time: float, position: tuple[float, float, float], airspeed: float
+    ) -> tuple[float, float, float]:
+        """(north, east, up), m/s."""
+        return self.north, self.east, self.up
+
+
+def steady_wind(from_direction: Annotated[float, "rad"], speed: Annotated[float, "m/s"]) -> SteadyWind:
+    """Horizontal wind that blows FROM a direction, rad clockwise from north."""
+    return SteadyWind(-speed * math.cos(from_direction), -speed * math.sin(from_direction))
+
+
+class Intensity(NamedTuple):
+    """Standard deviations and scale lengths of turbulence at one height."""
+
+    sigma_along: float  # m/s, also across
+    sigma_up: float
+    length_along: float  # m, also across
+    length_up: float
+
+
+def intensity(height: float, wind_at_20_ft: float) -> Intensity:
+    """Low-altitude turbulence at ``height`` (m above the ground) [MIL-F-8785C, 3.7.3].
+
+    Above 1000 ft its values there are kept: the specification turns to isotropic turbulence at 2000 ft, which no
+    approach reaches.
+    """
+    feet = min(max(height, LOWEST), HIGHEST) / FOOT
+    shape = 0.177 + 0.000823 * feet
+    sigma_up = 0.1 * wind_at_20_ft
+    return Intensity(sigma_up / shape**0.4, sigma_up, feet * FOOT / shape**1.2, feet * FOOT)
+
+
+class Turbulence:
+    """Dryden turbulence [MIL-F-8785C, 3.7.2.2 and 3.7.3] on a steady wind; one object per flight.
+
+    Along, across and up are those of ``course``: the mean wind's where there is one, else the runway's. Shaping filters
+    are discretised exactly for white noise: each state keeps unit variance whatever the step, the airspeed or the
+    height, so changing conditions only rescale. Row k of the noise belongs to step k of 1/``rate`` s, however the time
+    is asked for. The gradient of the gust over the span (rolling gusts) is left out.
+
+    Parameters
+    ----------
+    wind_at_20_ft : mean wind at 20 ft that sets the intensity, m/s; ``INTENSITIES`` has the standard three. It is
+        independent of the wind that drifts the aircraft.
+    generator : source of all its noise.
+    mean : wind added to the turbulence.
+    course : of the longitudinal axis, rad; None = the way ``mean`` moves.
+    rate : steps per second, Hz.
+    """
+
+    def __init__(
+        self,
+        wind_at_20_ft: float,
+        generator: np.random.Generator,
+        mean: SteadyWind | None = None,
+        course: float | None = None,
+        rate: float = 120.0,
+    ) -> None:
+        if not wind_at_20_ft >= 0.0 or not math.isfinite(wind_at_20_ft):
+            raise ValueError(f"wind_at_20_ft must not be negative, not {wind_at_20_ft} m/s")
+        if not rate > 0.0:
+            raise ValueError(f"rate must be positive, not {rate} Hz")
+        self._wind_at_20_ft = wind_at_20_ft
+        self._generator = generator
+        self._mean = mean or SteadyWind()
+        axis = math.atan2(self._mean.east, self._mean.north) if course is None else course
+        self._axis = (math.cos(axis), math.sin(axis))
+        self._rate = rate
+        self._step = -1
+        self._rows: list[list[float]] = []
+        self._row = 0
+        self._state: tuple[float, ...] | None = None
+        self._gust = (0.0, 0.0, 0.0)
+
+    def velocity(
+        self, time: float, position: tuple[float, float, float], airspeed: float
+    ) -> tuple[float, float, float]:
+        """(north, east, up), m/s, at ``time`` (s), which must not go back by more than a step."""
+        wanted = math.floor(time * self._rate + 0.5)
+        while self._step < wanted:
+            self._step += 1
+            if self._step % REFRESH == 0:
+                self._refresh(position[2], airspeed)
+            self._advance()
+        along, across, up = self._gust
+        cosine, sine = self._axis
+        north, east, rising = self._mean
+        return north + cosine * along - sine * across, east + sine * along + cosine * across, rising + up
+
+    def _refresh(self, height: float, airspeed: float) -> None:
+        """Coefficients for the next steps."""
+        now = intensity(height, self._wind_at_20_ft)
+        speed = max(airspeed, 1.0)
+        along = speed / (now.length_along * self._rate)
+        upwards = speed / (now.length_up * self._rate)
+        decay = math.exp(-along)
+        self._sigmas = (now.sigma_along, now.sigma_up)
+        self._first_order = (decay, math.sqrt(1.0 - decay * decay))
+        self._across, self._up = _second_order(along), _second_order(upwards)
+
+    def _advance(self) -> None:
+        """One step of the filters: along is first order, across and up are second order with a zero."""
+        if self._row == len(self._rows):
+            self._rows = self._generator.standard_normal((1200, 5)).tolist()
+            self._row = 0
+        n1, n2, n3, n4, n5 = self._rows[self._row]
+        self._row += 1
+        if self._state is None:  # stationary from the start
+            along, across1, across2, up1, up2 = n1, n2 * _P11, n2 * _P21 + n3 * _P22, n4 * _P11, n4 * _P21 + n5 * _P22
+        else:
+            along, across1, across2, up1, up2 = self._state
+            decay, noise = self._first_order
+            along = decay * along + noise * n1
+            f, h, q11, q21, q22 = self._across
+            across1, across2 = f * across1 + q11 * n2, f * (h * across1 + across2) + q21 * n2 + q22 * n3
+            f, h, q11, q21, q22 = self._up
+            up1, up2 = f * up1 + q11 * n4, f * (h * up1 + up2) + q21 * n4 + q22 * n5
+        self._state = (along, across1, across2, up1, up2)
+        sigma, sigma_up = self._sigmas
+        self._gust = (
+            sigma * along,
+            sigma * (ROOT_THREE * across1 + (1.0 - ROOT_THREE) * across2),
+            sigma_up * (ROOT_THREE * up1 + (1.0 - ROOT_THREE) * up2),
+        )
+
+
+# Second-order filter (1 + sqrt(3) s) / (1 + s)^2 in time over (length / airspeed): x1 = 1/(1+s) noise, x2 = 1/(1+s) x1,
+# output sqrt(3) x1 + (1 - sqrt(3)) x2. Its stationary covariance is [[1/2, 1/4], [1/4, 1/4]], which gives the output
+# unit variance; these are the entries of its Cholesky factor.
+_P11, _P21, _P22 = math.sqrt(0.5), 0.25 / math.sqrt(0.5), math.sqrt(0.125)
+
+
+def _second_order(step: float) -> tuple[float, float, float, float, float]:
+    """Transition exp(-h) [[1, 0], [h, 1]] and Cholesky factor of the noise P - Phi P Phi' for a step h."""
+    f = math.exp(-step)
+    square = f * f
+    q11 = 0.5 * (1.0 - square)
+    q12 = 0.25 - square * (0.25 + 0.5 * step)
+    q22 = 0.25 - square * (0.25 + 0.5 * step + 0.5 * step * step)
+    root = math.sqrt(q11)
+    return f, step, root, q12 / root, math.sqrt(max(q22 - q12 * q12 / q11, 0.0))
