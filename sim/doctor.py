@@ -12,7 +12,18 @@ import sys
 import tempfile
 from pathlib import Path
 
-DISTRIBUTIONS = ("jsbsim", "numpy", "scipy", "control", "filterpy", "matplotlib", "pydantic", "typer", "jinja2", "pebble")
+DISTRIBUTIONS = (
+    "jsbsim",
+    "numpy",
+    "scipy",
+    "control",
+    "filterpy",
+    "matplotlib",
+    "pydantic",
+    "typer",
+    "jinja2",
+    "pebble",
+)
 PROBE = "import jsbsim; jsbsim.FGJSBBase().debug_lvl = 0; f = jsbsim.FGFDMExec(None); print(f.get_version())"
 
 
@@ -41,7 +52,9 @@ def examine() -> tuple[list[str], bool]:
     probe = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, text=True, timeout=60, check=False)
     rows.append((probe.returncode == 0, "JSBSim runs", probe.stdout.strip() or probe.stderr.strip().splitlines()[-1]))
     rows.append((os.access(tempfile.gettempdir(), os.W_OK), "temporary folder", tempfile.gettempdir()))
-    rows.append((os.access(".", os.W_OK), "this folder", "can be written" if os.access(".", os.W_OK) else "read-only: use -o"))
+    rows.append(
+        (os.access(".", os.W_OK), "this folder", "can be written" if os.access(".", os.W_OK) else "read-only: use -o")
+    )
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
     width = max(len(name) for _, name, _ in rows)
     lines = [f"{'good' if good else 'BAD ':4}  {name:{width}}  {text}" for good, name, text in rows]

@@ -79,7 +79,7 @@ def fly(vehicle: Any, autopilot: Any, initial: Any, wind: Any, limits: Limits, p
     body = vehicle.begin(initial, wind)
     state = vehicle.read(body)
     pilot = autopilot.begin(state, initial.leg)
-    judge = Judge(limits, autopilot.route, phases)
+    judge = Judge(limits, autopilot.route)
     states, commands, legs, flown, events = [], [], [], [], []
     pilot_step, vehicle_step, read = autopilot.step, vehicle.step, vehicle.read
     half = RECORD_STEP / 2
@@ -95,7 +95,7 @@ def fly(vehicle: Any, autopilot: Any, initial: Any, wind: Any, limits: Limits, p
         if pilot.phase != phase:
             phase = pilot.phase
             events.append(Event(state.time, phases[phase]))
-        verdict = judge(state, pilot.leg, phase)
+        verdict = judge(state, pilot.leg, pilot.finished)
         try:
             if near_ground:
                 body = vehicle_step(body, command, half)

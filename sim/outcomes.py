@@ -11,7 +11,6 @@ from autopilot.route import Route
 
 LONGEST_FLIGHT = 1800.0  # s
 TOUCHDOWN_BOX = (60.0, 823.0)  # m past the threshold [CS AWO.A.ALS.106, from memory]
-REGAINED = 100.0  # m, a go-around is over
 HARDEST_LANDING = 3.05  # m/s, 10 ft/s, the limit sink of the landing gear [CS 25.473]
 
 
@@ -21,7 +20,6 @@ class Limits:
 
     until: float | None  # s
     runway: Any  # sim.tables.Runway: where the touchdown box lies
-    landing: bool  # whether the route ends on the ground
     stall_angle: float = math.radians(20.0)  # rad
     bank: float = math.radians(60.0)
     load_factor: float = 3.0
@@ -30,18 +28,16 @@ class Limits:
 class Judge:
     """Watches one flight; called once per record, cheap, with what it must remember between records."""
 
-    def __init__(self, limits: Limits, route: Route, phases: tuple[str, ...]) -> None:
+    def __init__(self, limits: Limits, route: Route) -> None:
         self.limits, self.route = limits, route
-        self.go_around = phases.index("go_around")
-        self.lowest = math.inf  # m, of a go-around
         self.end = LONGEST_FLIGHT if limits.until is None else min(limits.until, LONGEST_FLIGHT)
-        self.ends = [(leg.start, leg.end) for leg in route.legs]
+        self.lines = [(*leg.start, *leg.direction) for leg in route.legs]
         self.leg, self.turned, self.course = -1, 0.0, 0.0
         self.start_offset = 0.0
         self.outside_since: float | None = None
         self.sink = 0.0
 
-    def __call__(self, state: AircraftState, leg: int, phase: int) -> tuple[str, str] | None:
+    def __call__(self, state: AircraftState, leg: int, finished: str) -> tuple[str, str] | None:
         """(outcome, reason) once the flight is over, else None."""
         if state.main_wheels > 0.0 or state.height < -1.0:
             verdict = self._contact(state)
@@ -50,7 +46,7 @@ class Judge:
         else:
             self.sink = -state.velocity_up
         course = math.atan2(state.velocity_east, state.velocity_north)
-        along, offset = self._place(state, leg)
+        offset = self._cross_track(state, leg)
         if leg != self.leg:
             self.leg, self.turned, self.start_offset = leg, 0.0, abs(offset)
         else:
@@ -60,15 +56,11 @@ class Judge:
             return "orbit", f"turned {math.degrees(abs(self.turned)):.0f} deg within leg {leg}"
         if abs(offset) > 3 * self.start_offset + 5000:
             return "diverged", f"{abs(offset):.0f} m off leg {leg}, {self.start_offset:.0f} m at its start"
-        return self._envelope(state) or self._ended(state, along, phase)
+        return self._envelope(state) or self._ended(state, finished)
 
-    def _place(self, state: AircraftState, leg: int) -> tuple[float, float]:
-        """(distance to go, cross-track) on a leg, m."""
-        start, end = self.ends[leg]
-        length = math.dist(start, end)
-        along = (end[0] - start[0]) / length, (end[1] - start[1]) / length
-        north, east = state.north - end[0], state.east - end[1]
-        return -north * along[0] - east * along[1], east * along[0] - north * along[1]
+    def _cross_track(self, state: AircraftState, leg: int) -> float:
+        north, east, along_north, along_east = self.lines[leg]
+        return (state.east - east) * along_north - (state.north - north) * along_east
 
     def _contact(self, state: AircraftState) -> tuple[str, str] | None:
         past, across = self.limits.runway.from_local(state.north, state.east)
@@ -96,13 +88,11 @@ class Judge:
             f"angle of attack {math.degrees(state.angle_of_attack):.0f} deg for 1 s"
         )
 
-    def _ended(self, state: AircraftState, to_go: float, phase: int) -> tuple[str, str] | None:
-        if phase == self.go_around:
-            self.lowest = min(self.lowest, state.height)
-            if state.height >= self.lowest + REGAINED:
-                return "go_around", f"went around at {self.lowest:.0f} m and regained {REGAINED:.0f} m"
-        elif to_go < 0.0 and self.leg == len(self.ends) - 1 and not self.limits.landing:
-            return "completed", f"flown to the end of leg {self.leg}"
+    def _ended(self, state: AircraftState, finished: str) -> tuple[str, str] | None:
+        if finished == "go_around":
+            return finished, f"went around and regained its height, {state.height:.0f} m"
+        if finished:
+            return finished, f"flown to the end of leg {self.leg}"
         if state.time >= self.end - 1e-9:
             if self.limits.until is not None and self.limits.until <= LONGEST_FLIGHT:
                 return "completed", f"flown until {state.time:.0f} s"

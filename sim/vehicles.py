@@ -10,12 +10,14 @@ from typing import Any, NamedTuple, Protocol
 
 from aircraft.airframe import RATE, Airframe, Runway, Wind, load
 from aircraft.linearise import linearise
+from aircraft.point_mass import PointMass, PointMassState
 from aircraft.state import AircraftState, Command
 from aircraft.trim import trim
-from autopilot.design import Designed, OperatingPoint, design
+from autopilot.design import Designed, OperatingPoint, design, lateral_law
 from autopilot.inner_loops import InnerLoops, LoopState
 
 LONGITUDINAL = ("airspeed", "angle_of_attack", "pitch_rate", "pitch", "height")
+LIMITS = ("bank_limit", "cross_track_limit", "cross_track_rate_limit")
 LATERAL = ("sideslip", "roll_rate", "yaw_rate", "bank")
 
 
@@ -147,3 +149,58 @@ def designed(
                 )
             )
     return design(points, speed, bank_limit)
+
+
+@dataclass(frozen=True)
+class PointMassVehicle:
+    """The papers' point mass, which takes commands without inner loops."""
+
+    body: PointMass = field(default_factory=PointMass)
+
+    def begin(self, initial: Initial, wind: Wind | None) -> tuple[PointMassState, Wind | None]:
+        """On its course in the wind that blows at the start."""
+        moving = (0.0, 0.0, 0.0)
+        if wind is not None:
+            moving = wind.velocity(0.0, (initial.north, initial.east, initial.height), initial.airspeed)
+        across = moving[1] * math.cos(initial.course) - moving[0] * math.sin(initial.course)
+        heading = initial.course - math.asin(max(-1.0, min(across / initial.airspeed, 1.0)))
+        state = self.body.begin(
+            initial.north,
+            initial.east,
+            initial.height,
+            heading,
+            initial.airspeed,
+            initial.flight_path_angle,
+            initial.flaps,
+            initial.gear,
+            moving,
+        )
+        return state, wind
+
+    def step(
+        self, state: tuple[PointMassState, Wind | None], command: Command, dt: float
+    ) -> tuple[PointMassState, Wind | None]:
+        """Fly ``dt`` seconds in the air of its beginning."""
+        body, wind = state
+        moving = None if wind is None else wind.velocity(body.time, (body.north, body.east, body.height), body.airspeed)
+        return self.body.step(body, command, dt, moving), wind
+
+    def read(self, state: tuple[PointMassState, Wind | None]) -> AircraftState:
+        """What sensors and autopilot see."""
+        return self.body.read(state[0])
+
+
+def designed_point_mass(speed: float, bank_limit: float, body: PointMass | None = None) -> Designed:
+    """The route law for the point mass, whose bank follows with one lag; it has no loops to design.
+
+    ``speed`` (m/s) is that of intercepts, ``bank_limit`` (rad) that of the law.
+    """
+    bandwidth = 1.0 / (body or PointMass()).roll_lag
+    law = lateral_law(bandwidth, speed, bank_limit)
+    return Designed(
+        schedules=(),
+        bank_bandwidth=bandwidth,
+        reference_frequency=bandwidth,
+        bank_per_sideslip=0.0,
+        **{name: getattr(law, name) for name in ("k1", "k2", *LIMITS)},
+    )

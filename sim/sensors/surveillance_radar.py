@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -11,6 +11,8 @@ import numpy as np
 from aircraft.state import AircraftState
 from sim.interpolation import position_at
 from sim.randomness import Rows, Streams
+from sim.sensors._antenna import at_least_a_step, location, polar, positive
+from sim.tables import Runway
 
 
 class Scan(NamedTuple):
@@ -30,15 +32,11 @@ class SurveillanceRadar:
     position_sigma: Annotated[float | None, "m"] = None
     position: Annotated[tuple[float, float, float], "m"] = (0.0, 2000.0, 10.0)  # past threshold, right, up
     course: Annotated[float, "rad"] = 0.0  # of zero azimuth, relative to the runway
-    runway: Annotated[Any, "given"] = None
+    runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
     def __post_init__(self) -> None:
-        if self.period < 1 / 120:
-            raise ValueError("period must be at least 1/120 s: the flight is not known in finer steps")
-        for name in ("range_sigma", "azimuth_sigma", "position_sigma"):
-            sigma = getattr(self, name)
-            if sigma is not None and sigma <= 0:
-                raise ValueError(f"{name} must be above 0")
+        at_least_a_step(self.period)
+        positive(self, "range_sigma", "azimuth_sigma", "position_sigma")
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -46,15 +44,14 @@ class SurveillanceRadar:
         return ("range", "azimuth") if self.position_sigma is None else ("north", "east")
 
     @property
-    def location(self) -> tuple[float, float, float]:
+    def antenna(self) -> tuple[float, float, float]:
         """(north, east, height) of the antenna, m."""
-        north, east = self.runway.to_local(self.position[0], self.position[1])
-        return north, east, self.position[2]
+        return location(self.runway, self.position)
 
     @property
     def zero_azimuth(self) -> float:
         """Course of zero azimuth, rad clockwise from north."""
-        return self.runway.heading + self.course
+        return float(self.runway.heading + self.course)
 
     def covariance(self) -> np.ndarray:
         """R of one scan, shape (2, 2)."""
@@ -66,10 +63,8 @@ class SurveillanceRadar:
         """Noise-free channels for (north, east, height), shape (3, ...) -> (2, ...)."""
         if self.position_sigma is not None:
             return np.asarray(position)[:2]
-        north, east, up = (p - o for p, o in zip(position, self.location, strict=True))
-        slant = np.sqrt(north**2 + east**2 + up**2)
-        azimuth = np.arctan2(east, north) - self.zero_azimuth
-        return np.stack((slant, np.arctan2(np.sin(azimuth), np.cos(azimuth))))
+        slant, azimuth, _ = polar(position, self.antenna, self.zero_azimuth)
+        return np.stack((slant, azimuth))
 
     def begin(self, time: float, streams: Streams) -> Scan:
         """Ready for the first look, one period after ``time``."""

@@ -1,0 +1,205 @@
+"""The verbs of a run in order: fly, observe, track, report; and ``run``, which does them all."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sim import flight as flights
+from sim.checks import judge
+from sim.doctor import versions
+from sim.flight import Flight
+from sim.metrics import flight_metrics, summarise
+from sim.observation import SensorRecord, observe
+from sim.output import claim, staged, write_json, write_npz
+from sim.preparation import Prepared, prepare
+from sim.scenario import Scenario, read
+from sim.toml import dumps
+from sim.trackers import Tracked, track
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run found out."""
+
+    prepared: Prepared
+    flights: tuple[Flight, ...]
+    records: dict[str, SensorRecord]  # of flight 0
+    tracks: dict[str, Tracked]  # of flight 0
+    metrics: dict[str, Any]
+    timing: dict[str, float]
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario that was run."""
+        return self.prepared.scenario
+
+    @property
+    def flight(self) -> Flight:
+        """Flight 0, which figures and trackers are about."""
+        return self.flights[0]
+
+
+def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
+    """Fly one flight of a prepared scenario; ``flight`` addresses its turbulence."""
+    if not isinstance(prepared, Prepared):
+        prepared = prepare(prepared if isinstance(prepared, Scenario) else read(prepared))
+    return flights.fly(
+        prepared.vehicle, prepared.autopilot, prepared.initial, prepared.wind(flight), prepared.limits, prepared.phases
+    )
+
+
+def run(
+    source: str | Path | dict[str, Any] | Scenario,
+    *,
+    seed: int | None = None,
+    flights: int | None = None,
+    draws: int | None = None,
+    overrides: dict[str, Any] | None = None,
+    trackers: dict[str, Any] | None = None,
+    progress: Callable[..., Any] | None = None,
+) -> Result:
+    """Read, fly, observe, track and judge a scenario.
+
+    Parameters
+    ----------
+    source : a file, a bundled name, a dict of tables or a scenario
+    overrides : ``{"table.key": value}`` in the spelling of files
+    trackers : further trackers by name, objects of the ``tracking.track.Tracker`` protocol
+
+    Raises ``ScenarioError`` for anything that cannot be run.
+    """
+    started = time.perf_counter()
+    given = {"seed": seed, "flights": flights, "draws": draws}
+    changes = {**(overrides or {}), **{key: value for key, value in given.items() if value is not None}}
+    if isinstance(source, Scenario):
+        source = source.tables
+    scenario = read(source, changes)
+    timing: dict[str, float] = {}
+    prepared = prepare(scenario)
+    _lap(timing, "prepare_s", started)
+
+    lap = time.perf_counter()
+    numbers: Any = range(scenario.flights)
+    if progress is not None and scenario.flights > 1:
+        numbers = progress(numbers, scenario.flights, "flights")
+    flown = tuple(fly(prepared, number) for number in numbers)
+    _lap(timing, "fly_s", lap)
+
+    lap = time.perf_counter()
+    first = flown[0]
+    records = observe(first, scenario.sensors, scenario.seed, 0, scenario.draws)
+    _lap(timing, "observe_s", lap)
+    lap = time.perf_counter()
+    tracks, tracker_metrics = track(prepared, first, records, trackers or {})
+    _lap(timing, "track_s", lap)
+
+    each = [flight_metrics(one, scenario.runway, prepared.law.bank_limit) for one in flown]
+    metrics = {
+        "scenario": scenario.name,
+        "seed": scenario.seed,
+        "flights": scenario.flights,
+        "draws": scenario.draws,
+        "versions": versions(),
+        "flight": each[0],
+        "flights_summary": summarise(each),
+        "trackers": tracker_metrics,
+        "warnings": list(prepared.warnings),
+    }
+    metrics["checks"] = judge(scenario.checks, first, scenario.runway, {**each[0], "trackers": tracker_metrics})
+    return Result(prepared, flown, records, tracks, metrics, timing)
+
+
+def run_to_folder(
+    source: str, overrides: dict[str, Any], out: Path | None, progress: Callable[..., Any] | None = None
+) -> tuple[Path, Result]:
+    """Run a scenario into a folder, ``out/NAME`` unless told otherwise."""
+    started = time.perf_counter()
+    scenario = read(source, overrides)
+    folder = out if out is not None else Path("out") / scenario.name
+    result = run(scenario, progress=progress)
+    claim(folder)
+    with staged(folder) as place:
+        report(result, place)
+        result.timing["total_s"] = time.perf_counter() - started
+        write_json(place / "timing.json", result.timing)
+    return folder, result
+
+
+def report(result: Result, folder: Path) -> None:
+    """Write the files of a run into an existing folder."""
+    from sim.reporting.report import write
+
+    lap = time.perf_counter()
+    scenario, first = result.scenario, result.flight
+    resolved = {**scenario.tables, "designed": result.prepared.designed.to_table()}
+    (folder / "scenario.toml").write_text(dumps(resolved))
+    write_json(folder / "metrics.json", result.metrics)
+    write_npz(folder / "flight.npz", flight_arrays(first))
+    write_npz(folder / "measurements.npz", measurement_arrays(result.records))
+    write_npz(folder / "tracks.npz", {k: v for name, one in result.tracks.items() for k, v in one.arrays(name).items()})
+    write(
+        folder / "report.html",
+        scenario=scenario,
+        flight=first,
+        law=result.prepared.law,
+        metrics=result.metrics,
+        versions=result.metrics["versions"],
+        timing=result.timing,
+        tracks=result.metrics["trackers"],
+    )
+    _lap(result.timing, "report_s", lap)
+
+
+def flight_arrays(flight: Flight) -> dict[str, np.ndarray]:
+    """The record of a flight by names that carry their unit."""
+    state = {_with_unit(name): getattr(flight.state, name) for name in flight.state._fields}
+    command = {f"command_{_with_unit(name)}": getattr(flight.command, name) for name in flight.command._fields}
+    deviation = flight.deviation
+    return {
+        **state,
+        **command,
+        "cross_track_m": deviation.cross_track,
+        "cross_track_rate_mps": deviation.cross_track_rate,
+        "distance_to_go_m": deviation.distance_to_go,
+        "leg": flight.leg,
+        "phase": flight.phase,
+        "phases": np.array(flight.phases),
+    }
+
+
+SUFFIX_OF = {
+    "s": ("time",),
+    "m": ("north", "east", "height"),
+    "mps": ("velocity_north", "velocity_east", "velocity_up", "airspeed"),
+    "rad": ("bank", "pitch", "heading", "angle_of_attack", "sideslip", "flaps", "flight_path_angle"),
+    "radps": ("roll_rate", "pitch_rate", "yaw_rate"),
+    "mps2": ("specific_force_forward", "specific_force_right", "specific_force_down"),
+}
+
+
+def _with_unit(name: str) -> str:
+    return next((f"{name}_{suffix}" for suffix, names in SUFFIX_OF.items() if name in names), name)
+
+
+def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray]:
+    """The looks of all sensors: ``SENSOR.z`` in SI and radians with its channels beside it."""
+    arrays: dict[str, np.ndarray] = {}
+    for name, record in records.items():
+        arrays[f"{name}.time_s"] = record.time
+        arrays[f"{name}.arrival_s"] = record.arrival
+        arrays[f"{name}.channels"] = np.array(record.channels)
+        arrays[f"{name}.z"] = record.z
+        arrays[f"{name}.R"] = record.R
+    return arrays
+
+
+def _lap(timing: dict[str, float], name: str, since: float) -> None:
+    timing[name] = time.perf_counter() - since
+
+
