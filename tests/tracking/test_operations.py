@@ -1,0 +1,79 @@
+"""Operation counts against the printed formulas and an independent hand count."""
+
+import numpy as np
+import pytest
+
+from tracking.operations import (
+    Operations,
+    Tally,
+    charged_inverse,
+    counted,
+    counted_inverse,
+    full_filter_operations,
+    memory,
+    numbers,
+    saving,
+    stored_gain_operations,
+    values,
+)
+
+SIZES = [(n, m) for n in (1, 2, 3, 4) for m in (1, 2, 3)]
+
+
+@pytest.mark.parametrize(("n", "m"), SIZES)
+def test_counted_operations_are_the_printed_polynomials(n, m):
+    assert counted(1, n, m) == full_filter_operations(n, m)
+    assert counted(4, n, m) == stored_gain_operations(n, m)
+
+
+def test_elevation_filter_costs_what_is_printed():
+    assert counted(1, 2, 1) == (45, 31)
+    assert counted(4, 2, 1) == (8, 6)
+    assert saving(2, 1) == (pytest.approx(0.8222, abs=5e-5), pytest.approx(0.8065, abs=5e-5))
+
+
+@pytest.mark.parametrize(("n", "m", "joseph"), [(2, 1, (50, 34)), (3, 2, (177, 141))])
+def test_a_free_gain_does_not_make_the_joseph_form_cheaper(n, m, joseph):
+    assert counted(2, n, m) == joseph
+    assert counted(2, n, m).multiplications > counted(1, n, m).multiplications
+    assert counted(2, 3, 3).multiplications < counted(1, 3, 3).multiplications  # it is from m = n up
+
+
+def test_inversion_is_charged_by_the_print_and_counted_beside_it():
+    charged, really = counted(1, 2, 1), counted(1, 2, 1, counted_inverse)
+    assert charged == Operations(really.multiplications, really.additions + 1)  # 1 / s needs no addition
+    tally = Tally()
+    counted_inverse(numbers(np.eye(4) + 0.1, tally))
+    assert tally.multiplications == 4**3  # n^3 in place; one of them per column is the division by the pivot
+    assert tally.additions == 4 * 3 * 4  # n rows, each cleared in n - 1 others, n entries
+    charged_inverse(numbers(np.eye(4) + 0.1, tally := Tally()))
+    assert tally.total() == (64, 64)
+
+
+def test_counting_inverse_inverts():
+    A = np.random.default_rng(1).standard_normal((4, 4))
+    S = A @ A.T + np.eye(4)
+    np.testing.assert_allclose(values(counted_inverse(numbers(S, Tally()))) @ S, np.eye(4), atol=1e-13)
+
+
+def test_numbers_count_every_operation_once():
+    tally = Tally()
+    a, b = numbers(np.array([2.0, 3.0]), tally)
+    assert [(a * b).value, (a / b).value, (2.0 * a).value, (1.0 / b).value] == [6.0, 2 / 3, 4.0, 1 / 3]
+    assert [(a + b).value, (a - b).value, (1.0 + a).value, (1.0 - a).value] == [5.0, -1.0, 3.0, -1.0]
+    assert tally.total() == (4, 4)
+
+
+def test_stored_gains_cost_memory():
+    """The print asks for accuracy against the volume of resources: what realisation 4 saves in time it takes in ROM."""
+    assert memory(1, 2, 1) == (4 + 4 + 2 + 1, 2 + 4)
+    assert memory(4, 2, 1, gains=3239) == (4 + 2 + 2 * 3239, 2)
+    assert memory(4, 2, 1, gains=200).rom == 406  # cut where the gain has settled
+    assert memory(2, 2, 1, gains=1) == (11 + 2, 6)
+    assert memory(3, 2, 1) == memory(1, 2, 1)
+
+
+def test_there_are_four_realisations():
+    for function in (counted, memory):
+        with pytest.raises(ValueError, match="1, 2, 3 or 4"):
+            function(5, 2, 1)
