@@ -18,6 +18,7 @@ import numpy as np
 
 Array = Any
 
+FEW = 16  # matrices along the last axis: below, one BLAS call each costs less than setting up einsum
 LOG_TWO_PI = math.log(2.0 * math.pi)
 
 
@@ -148,9 +149,11 @@ def reweigh(weights: Array, log_likelihood: Array) -> tuple[Array, Array]:
     Erratum: [Volovyk 2022, table 1, step 13] printed the weights before the switching in the numerator, used the
     predicted ones, because only those make the posterior sum to one.
     """
-    supported = np.where(weights > 0.0, log_likelihood, -np.inf)
+    possible = weights > 0.0
+    supported = log_likelihood if possible.all() else np.where(possible, log_likelihood, -np.inf)
     best = supported.max(axis=0)
-    posterior = weights * np.exp(supported - best)
+    posterior = np.exp(supported - best)
+    posterior *= weights
     total = posterior.sum(axis=0)
     posterior /= total
     return posterior, best + np.log(total)
@@ -163,8 +166,8 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
     The innovation is that of the moment-matched prediction, its log-likelihood that of the mixture itself.
     """
     batch = mixture.mean.ndim - 2
-    z = np.expand_dims(z, 1)
-    H, R = (_with_hypotheses(matrix, batch) for matrix in (H, R))
+    z = z[:, None]
+    H, R = _with_hypotheses(H, batch), _with_hypotheses(R, batch)
     residual = z - _apply(H, mixture.mean)
     absent = _absent(z, residual)
     if absent is not None:
@@ -175,7 +178,7 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
     weights, log_likelihood = reweigh(mixture.weights, each.log_likelihood)
     matched = merge(Mixture(mixture.weights, residual, S))
     white = _forward(_cholesky(matched.cov), matched.mean)
-    innovation = Innovation(white, np.einsum("i...,i...->...", white, white), log_likelihood)
+    innovation = Innovation(white, (white * white).sum(axis=0), log_likelihood)
     posterior = Mixture(weights, conditioned.mean, conditioned.cov)
     if absent is None:
         return posterior, innovation
@@ -187,14 +190,17 @@ def _condition(gaussian: Gaussian, residual: Array, cross: Array, S: Array) -> t
     L = _cholesky(S)
     white = _forward(L, residual)
     W = _forward(L, cross)  # (m, n, *C): the transpose of P H' L^-T
-    mean = gaussian.mean + np.einsum("ji...,j...->i...", W, white)
-    reduction = np.einsum("ji...,jk...->ik...", W, W)
-    cov = np.subtract(
-        gaussian.cov, reduction, out=reduction if reduction.ndim and _covers(reduction, gaussian.cov) else None
-    )
-    nis = np.einsum("i...,i...->...", white, white)
-    constant = sum(np.log(L[i][i]) for i in range(len(L))) + 0.5 * len(L) * LOG_TWO_PI
-    return Gaussian(mean, cov), Innovation(white, nis, -0.5 * nis - constant)
+    transposed = W.swapaxes(0, 1)
+    mean = gaussian.mean + _apply(transposed, white)
+    reduction = _product(transposed, W)
+    cov = np.subtract(gaussian.cov, reduction, out=reduction if _covers(reduction, gaussian.cov) else None)
+    nis = (white * white).sum(axis=0)
+    volume = L[0][0]
+    for i in range(1, len(L)):
+        volume = volume * L[i][i]
+    log_likelihood = -0.5 * nis - np.log(volume)
+    log_likelihood -= 0.5 * len(L) * LOG_TWO_PI
+    return Gaussian(mean, cov), Innovation(white, nis, log_likelihood)
 
 
 def _cholesky(S: Array) -> list[list[Array]]:
@@ -217,13 +223,16 @@ def _cholesky(S: Array) -> list[list[Array]]:
 
 def _forward(L: list[list[Array]], right: Array) -> Array:
     """Solve ``L y = right`` with L from `_cholesky` and right (m, ..., *B)."""
-    rows: list[Array] = []
+    batch = np.shape(L[0][0])
+    fits = not batch or right.shape[-len(batch) :] == batch
+    shape = right.shape if fits else (len(right), *np.broadcast_shapes(right.shape[1:], batch))
+    solution = np.empty(shape)
     for i, row in enumerate(L):
         entry = right[i]
         for k in range(i):
-            entry = entry - row[k] * rows[k]
-        rows.append(entry / row[i])
-    return np.stack(rows)
+            entry = entry - row[k] * solution[k]
+        np.divide(entry, row[i], out=solution[i, ...])
+    return solution
 
 
 def _absent(z: Array, residual: Array) -> Array | None:
@@ -275,23 +284,27 @@ def _plus(fresh: Array, other: Array) -> Array:
     return fresh + other
 
 
-def _aligned(*matrices: Array) -> tuple[Array, ...]:
-    """The matrices with the same number of batch axes."""
-    batch = max(matrix.ndim for matrix in matrices) - 2
-    return tuple(matrix if matrix.ndim == batch + 2 else lift(matrix, 2, batch) for matrix in matrices)
+def _aligned(P: Array, A: Array, R: Array) -> tuple[Array, Array, Array]:
+    """Three matrices with the same number of batch axes."""
+    if P.ndim == A.ndim == R.ndim:
+        return P, A, R
+    batch = max(P.ndim, A.ndim, R.ndim) - 2
+    return lift(P, 2, batch), lift(A, 2, batch), lift(R, 2, batch)
 
 
 def _with_hypotheses(matrix: Array, batch: int) -> Array:
     """A matrix per run with a hypothesis axis of size one, if it has none yet."""
     if matrix.ndim == 2 or matrix.ndim == batch + 3:
         return matrix
-    return np.expand_dims(matrix, 2)
+    return matrix[:, :, None]
 
 
 def _apply(A: Array, x: Array) -> Array:
     """``A x`` for A (p, n, *C) and x (n, *B)."""
     if A.ndim == 2 or (A.shape[-1] == 1 and A.ndim == x.ndim + 1):
         return _blas(A, x)
+    if A.ndim == 3 and A.shape[2:] == x.shape[1:] and A.shape[2] < FEW:
+        return (A.transpose(2, 0, 1) @ x.T[:, :, None])[:, :, 0].T
     return np.einsum("ij...,j...->i...", A, x)
 
 
@@ -299,6 +312,8 @@ def _product(A: Array, X: Array) -> Array:
     """``A X`` for A (p, n, *C) and X (n, k, *C)."""
     if A.ndim == 2 or (A.shape[-1] == 1 and A.ndim == X.ndim):
         return _blas(A, X)
+    if A.ndim == 3 and A.shape[2:] == X.shape[2:] and A.shape[2] < FEW:
+        return (A.transpose(2, 0, 1) @ X.transpose(2, 0, 1)).transpose(1, 2, 0)
     return np.einsum("ij...,jk...->ik...", A, X)
 
 

@@ -131,10 +131,10 @@ def follow(
         now <= arrival[order[0]], f"the prior holds at {now:g} s, after the first arrival at {arrival[order[0]]:g} s"
     )
     steer = tracker.steer if isinstance(tracker, TimeStamped) else None
+    nothing = np.isnan(measurements.z).all(axis=tuple(range(1, batch + 2))).tolist()
     for index in order.tolist():
         known = float(arrival[index])
-        z, R = measurements.z[index], lift(measurements.R[index], 2, batch)
-        present = not np.isnan(z).all()
+        z, R, present = measurements.z[index], lift(measurements.R[index], 2, batch), not nothing[index]
         with np.errstate(divide="ignore", invalid="ignore"):  # a lost run is a result: it goes on as NaN
             if present and steer is not None and time[index] < known:
                 state, _ = tracker.step(state, known - now, None, None)

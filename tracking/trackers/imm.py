@@ -71,7 +71,7 @@ def improved_set(
 
 
 @dataclass(frozen=True)
-class Imm:
+class InteractingMultipleModel:
     """Interact, predict, update, reweigh, merge [Volovyk 2022, table 1].
 
     The file parameters are those of the improved set; another set is given as `model_set`. The measurement is
@@ -127,8 +127,7 @@ def transitions(models: tuple[Motion, ...], dt: float, mean: Any) -> Transition:
     """Transitions of all models (n, n, M, *C) from the mean (n, M, *B) of each."""
     batch = mean.ndim - 2
     if not any(model.depends_on_state for model in models):
-        F, Q = _fixed(models, dt)
-        return Transition(lift(F, 3, batch), lift(Q, 3, batch))
+        return _fixed(models, dt, batch)
     each = [model.transition(dt, mean[:, i]) for i, model in enumerate(models)]
     F = _side_by_side([lift(one.F, 2, batch) for one in each])
     Q = _side_by_side([lift(one.Q, 2, batch) for one in each])
@@ -139,10 +138,10 @@ def transitions(models: tuple[Motion, ...], dt: float, mean: Any) -> Transition:
 
 
 @lru_cache(maxsize=64)
-def _fixed(models: tuple[Motion, ...], dt: float) -> tuple[Any, Any]:
+def _fixed(models: tuple[Motion, ...], dt: float, batch: int) -> Transition:
     each = [model.transition(dt, None) for model in models]
     F, Q = (np.stack(matrices) for matrices in ([one.F for one in each], [one.Q for one in each]))
-    return np.moveaxis(F, 0, -1), np.moveaxis(Q, 0, -1)
+    return Transition(lift(np.moveaxis(F, 0, -1), 3, batch), lift(np.moveaxis(Q, 0, -1), 3, batch))
 
 
 def _side_by_side(matrices: list[Any]) -> Any:

@@ -9,7 +9,6 @@ from tracking.gaussian import Gaussian, Innovation, predict, update
 from tracking.measurement import MeasurementModel
 from tracking.motion import ConstantVelocity, Motion
 
-
 STRAIGHT = ConstantVelocity()
 
 
