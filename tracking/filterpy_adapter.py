@@ -9,6 +9,7 @@ fading memory (alpha) or correlated noises (M), which is another filter.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Annotated, Any
 
 import numpy as np
@@ -98,7 +99,22 @@ def prior_of(source: Any) -> Gaussian:
     return Gaussian(np.array(source.x, dtype=float).reshape(-1), np.array(source.P, dtype=float))
 
 
-def _check(source: Any, kalman_filter: type) -> None:
+@lru_cache(maxsize=256)
+def constant_velocity(dt: float, acceleration_density: float) -> Kalman:
+    """filterpy's own design of a planar constant-velocity filter for one period."""
+    from filterpy.common import Q_continuous_white_noise  # type: ignore[import-untyped]
+    from filterpy.kalman import KalmanFilter
+
+    design = KalmanFilter(dim_x=4, dim_z=2)
+    design.F = np.kron(np.eye(2), [[1.0, dt], [0.0, 1.0]])
+    design.Q = Q_continuous_white_noise(dim=2, dt=dt, spectral_density=acceleration_density, block_size=2)
+    design.H = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
+    tracker = from_filterpy(design)
+    assert isinstance(tracker, Kalman)
+    return tracker
+
+
+def _check(source: Any, kalman_filter: Any) -> None:
     if source.__class__ is not kalman_filter:
         raise TypeError(
             f"{type(source).__name__} cannot be batched over runs: it is no set of matrices; "
