@@ -16,13 +16,20 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from tracking.gaussian import lift
+from tracking.gaussian import Gaussian, lift
 from tracking.motion import CARTESIAN, GRAVITY, constant_velocity, double_integrator
 
 Array = Any
 Law = Callable[[Any], Array]  # deviation -> bank, rad
 
 CROSS_TRACK = ("cross_track", "cross_track_rate")
+
+
+class Placed(NamedTuple):
+    """An estimate and its place on the path: the state of every law-aware tracker."""
+
+    gaussian: Gaussian
+    place: Any
 
 
 class Steering(NamedTuple):
@@ -204,3 +211,11 @@ def uniform(path: ReferencePath, dt: float, density: float) -> tuple[Array, Arra
     F, Q = constant_velocity(dt, density)
     axes = np.eye(len(path.channels) // 2)
     return np.kron(axes, F), np.kron(axes, Q)
+
+
+def check_tuning(acceleration_density: float, sub_step: float) -> None:
+    """Raise ``ValueError`` where a process noise or a sub-step cannot be."""
+    if not acceleration_density >= 0.0:
+        raise ValueError(f"acceleration_density must not be negative, not {acceleration_density} m2/s3")
+    if not sub_step > 0.0:
+        raise ValueError(f"sub_step must be positive, not {sub_step} s")

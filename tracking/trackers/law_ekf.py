@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 from tracking.gaussian import Gaussian, Innovation, predict, update
 from tracking.measurement import MeasurementModel
-from tracking.motion import GRAVITY
+from tracking.motion import GRAVITY, constant_velocity
 from tracking.reference_path import (
     Law,
+    Placed,
     ReferencePath,
+    check_tuning,
     embed,
     folded,
     push,
@@ -20,13 +22,6 @@ from tracking.reference_path import (
     sub_steps,
     uniform,
 )
-
-
-class State(NamedTuple):
-    """Estimate and its place on the path."""
-
-    gaussian: Gaussian
-    place: Any
 
 
 @dataclass(frozen=True)
@@ -45,10 +40,7 @@ class LawEkf:
     sub_step: Annotated[float, "s"] = 0.1
 
     def __post_init__(self) -> None:
-        if not self.acceleration_density >= 0.0:
-            raise ValueError(f"acceleration_density must not be negative, not {self.acceleration_density} m2/s3")
-        if not self.sub_step > 0.0:
-            raise ValueError(f"sub_step must be positive, not {self.sub_step} s")
+        check_tuning(self.acceleration_density, self.sub_step)
 
     @cached_property
     def _path(self) -> ReferencePath:
@@ -58,29 +50,29 @@ class LawEkf:
     def channels(self) -> tuple[str, ...]:
         return self._path.channels
 
-    def begin(self, prior: Gaussian) -> State:
-        return State(prior, self._path.begin(prior.mean))
+    def begin(self, prior: Gaussian) -> Placed:
+        return Placed(prior, self._path.begin(prior.mean))
 
-    def step(self, state: State, dt: float, z: Any | None, R: Any | None) -> tuple[State, Innovation | None]:
+    def step(self, state: Placed, dt: float, z: Any | None, R: Any | None) -> tuple[Placed, Innovation | None]:
         if dt > 0.0:
             count, step = sub_steps(dt, self.sub_step)
+            _, Q = uniform(self._path, step, self.acceleration_density)
             for _ in range(count):
-                state = advance(self.law, self._path, state, step, self.acceleration_density)
+                state = advance(self.law, self._path, state, step, Q)
         if z is None:
             return state, None
         gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return State(gaussian, state.place), innovation
+        return Placed(gaussian, state.place), innovation
 
-    def estimate(self, state: State) -> Gaussian:
+    def estimate(self, state: Placed) -> Gaussian:
         return state.gaussian
 
 
-def advance(law: Law, path: ReferencePath, state: State, dt: float, density: float) -> State:
+def advance(law: Law, path: ReferencePath, state: Placed, dt: float, Q: Any) -> Placed:
     """State after one sub-step with the control held, and the covariance that belongs to it."""
     gaussian, place = state
     control = steering(law, path, place, gaussian.mean)
     normal = path.normal(place)
-    F, Q = uniform(path, dt, density)
-    moved = predict(gaussian, embed(normal, folded(control, dt), F[:2, :2]), Q)
+    F = embed(normal, folded(control, dt), constant_velocity(dt, 0.0)[0])
     mean = push(normal, gaussian.mean, GRAVITY * control.bank, dt)
-    return State(moved._replace(mean=mean), path.advance(place, mean, dt))
+    return Placed(predict(gaussian, F, Q)._replace(mean=mean), path.advance(place, mean, dt))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -14,7 +14,9 @@ from tracking.motion import GRAVITY, closed_loop
 from tracking.reference_path import (
     Law,
     Line,
+    Placed,
     ReferencePath,
+    check_tuning,
     embed,
     folded,
     reference_path,
@@ -22,13 +24,6 @@ from tracking.reference_path import (
     sub_steps,
     uniform,
 )
-
-
-class State(NamedTuple):
-    """Estimate and its place on the path."""
-
-    gaussian: Gaussian
-    place: Any
 
 
 @dataclass(frozen=True)
@@ -50,10 +45,7 @@ class LinearFeedback:
     sub_step: Annotated[float, "s"] = 0.1
 
     def __post_init__(self) -> None:
-        if not self.acceleration_density >= 0.0:
-            raise ValueError(f"acceleration_density must not be negative, not {self.acceleration_density} m2/s3")
-        if not self.sub_step > 0.0:
-            raise ValueError(f"sub_step must be positive, not {self.sub_step} s")
+        check_tuning(self.acceleration_density, self.sub_step)
 
     @cached_property
     def _path(self) -> ReferencePath:
@@ -63,30 +55,30 @@ class LinearFeedback:
     def channels(self) -> tuple[str, ...]:
         return self._path.channels
 
-    def begin(self, prior: Gaussian) -> State:
-        return State(prior, self._path.begin(prior.mean))
+    def begin(self, prior: Gaussian) -> Placed:
+        return Placed(prior, self._path.begin(prior.mean))
 
-    def step(self, state: State, dt: float, z: Any | None, R: Any | None) -> tuple[State, Innovation | None]:
+    def step(self, state: Placed, dt: float, z: Any | None, R: Any | None) -> tuple[Placed, Innovation | None]:
         if dt > 0.0:
             state = self._on_line(state, dt) if isinstance(self._path, Line) else self._on_legs(state, dt)
         if z is None:
             return state, None
         gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return State(gaussian, state.place), innovation
+        return Placed(gaussian, state.place), innovation
 
-    def estimate(self, state: State) -> Gaussian:
+    def estimate(self, state: Placed) -> Gaussian:
         return state.gaussian
 
-    def _on_line(self, state: State, dt: float) -> State:
+    def _on_line(self, state: Placed, dt: float) -> Placed:
         """By (8), with the gains of the middle of the step: one covariance for all runs."""
         on_line = np.zeros(2)
         middle = self._path.advance(state.place, on_line, 0.5 * dt)
         control = steering(self.law, self._path, middle, on_line)
         stiffness, damping = -GRAVITY * float(control.per_cross_track), -GRAVITY * float(control.per_cross_track_rate)
         F, Q = closed_loop(dt, stiffness, damping, self.acceleration_density)
-        return State(predict(state.gaussian, F, Q), self._path.advance(state.place, on_line, dt))
+        return Placed(predict(state.gaussian, F, Q), self._path.advance(state.place, on_line, dt))
 
-    def _on_legs(self, state: State, dt: float) -> State:
+    def _on_legs(self, state: Placed, dt: float) -> Placed:
         count, step = sub_steps(dt, self.sub_step)
         F, Q = uniform(self._path, step, self.acceleration_density)
         for _ in range(count):
@@ -99,5 +91,5 @@ class LinearFeedback:
             control = steering(self.law, self._path, place, on_leg)
             transition = embed(normal, folded(control, step), F[:2, :2])
             moved = predict(Gaussian(off_leg, cov), transition, Q, F @ on_leg)
-            state = State(moved, self._path.advance(place, moved.mean, step))
+            state = Placed(moved, self._path.advance(place, moved.mean, step))
         return state

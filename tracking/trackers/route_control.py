@@ -4,21 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, predict, update
 from tracking.measurement import MeasurementModel
-from tracking.motion import CARTESIAN, GRAVITY, course_kinematics, planar_constant_velocity
-from tracking.reference_path import Law, Legs, steering, sub_steps
-
-
-class State(NamedTuple):
-    """Estimate and the leg that it says is being flown."""
-
-    gaussian: Gaussian
-    leg: Any  # int (*B)
+from tracking.motion import CARTESIAN, GRAVITY, course_kinematics
+from tracking.reference_path import Law, Legs, Placed, check_tuning, steering, sub_steps, uniform
 
 
 @dataclass(frozen=True)
@@ -45,43 +38,40 @@ class RouteControl:
     def __post_init__(self) -> None:
         if self.covariance not in ("known_control", "jacobian"):
             raise ValueError(f"covariance is 'known_control' or 'jacobian', not '{self.covariance}'")
-        if not self.acceleration_density >= 0.0:
-            raise ValueError(f"acceleration_density must not be negative, not {self.acceleration_density} m2/s3")
-        if not self.sub_step > 0.0:
-            raise ValueError(f"sub_step must be positive, not {self.sub_step} s")
+        check_tuning(self.acceleration_density, self.sub_step)
 
     @cached_property
     def _path(self) -> Legs:
         return Legs(self.route, float(np.max(self.law.bank_limit)))  # type: ignore[attr-defined]
 
-    def begin(self, prior: Gaussian) -> State:
-        return State(prior, self._path.begin(prior.mean))
+    def begin(self, prior: Gaussian) -> Placed:
+        return Placed(prior, self._path.begin(prior.mean))
 
-    def step(self, state: State, dt: float, z: Any | None, R: Any | None) -> tuple[State, Innovation | None]:
+    def step(self, state: Placed, dt: float, z: Any | None, R: Any | None) -> tuple[Placed, Innovation | None]:
         if dt > 0.0:
             count, step = sub_steps(dt, self.sub_step)
-            _, Q = planar_constant_velocity(step, self.acceleration_density, self.acceleration_density)
+            _, Q = uniform(self._path, step, self.acceleration_density)
             forward = known_control if self.covariance == "known_control" else autonomous
             for _ in range(count):
                 state = forward(self.law, self._path, state, step, Q)
         if z is None:
             return state, None
         gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return State(gaussian, state.leg), innovation
+        return Placed(gaussian, state.place), innovation
 
-    def estimate(self, state: State) -> Gaussian:
+    def estimate(self, state: Placed) -> Gaussian:
         return state.gaussian
 
 
-def known_control(law: Law, path: Legs, state: State, dt: float, Q: Any) -> State:
+def known_control(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Placed:
     """State after one sub-step; the bank is an input of the covariance."""
     gaussian, leg = state
     bank = law(path.deviation(leg, gaussian.mean))
     mean, F = course_kinematics(gaussian.mean, bank, dt)
-    return State(predict(gaussian, F, Q)._replace(mean=mean), path.advance(leg, mean, dt))
+    return Placed(predict(gaussian, F, Q)._replace(mean=mean), path.advance(leg, mean, dt))
 
 
-def autonomous(law: Law, path: Legs, state: State, dt: float, Q: Any) -> State:
+def autonomous(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Placed:
     """State after one sub-step; the bank is a function of the state that F carries."""
     gaussian, leg = state
     control = steering(law, path, leg, gaussian.mean)
@@ -97,4 +87,4 @@ def autonomous(law: Law, path: Legs, state: State, dt: float, Q: Any) -> State:
     north, east = -east_rate * push, north_rate * push
     effect = np.stack([0.5 * dt**2 * north, dt * north, 0.5 * dt**2 * east, dt * east])
     F = F + effect[:, None] * gradient
-    return State(predict(gaussian, F, Q)._replace(mean=mean), path.advance(leg, mean, dt))
+    return Placed(predict(gaussian, F, Q)._replace(mean=mean), path.advance(leg, mean, dt))

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 from tracking.gaussian import Gaussian, Innovation, predict, update
 from tracking.measurement import MeasurementModel
 from tracking.motion import GRAVITY
-from tracking.reference_path import Law, ReferencePath, push, reference_path, sub_steps, uniform
-
-
-class State(NamedTuple):
-    """Estimate and its place on the path."""
-
-    gaussian: Gaussian
-    place: Any
+from tracking.reference_path import (
+    Law,
+    Placed,
+    ReferencePath,
+    check_tuning,
+    push,
+    reference_path,
+    sub_steps,
+    uniform,
+)
 
 
 @dataclass(frozen=True)
@@ -39,10 +41,7 @@ class SaturatedControl:
     sub_step: Annotated[float, "s"] = 0.1
 
     def __post_init__(self) -> None:
-        if not self.acceleration_density >= 0.0:
-            raise ValueError(f"acceleration_density must not be negative, not {self.acceleration_density} m2/s3")
-        if not self.sub_step > 0.0:
-            raise ValueError(f"sub_step must be positive, not {self.sub_step} s")
+        check_tuning(self.acceleration_density, self.sub_step)
 
     @cached_property
     def _path(self) -> ReferencePath:
@@ -52,21 +51,21 @@ class SaturatedControl:
     def channels(self) -> tuple[str, ...]:
         return self._path.channels
 
-    def begin(self, prior: Gaussian) -> State:
-        return State(prior, self._path.begin(prior.mean))
+    def begin(self, prior: Gaussian) -> Placed:
+        return Placed(prior, self._path.begin(prior.mean))
 
-    def step(self, state: State, dt: float, z: Any | None, R: Any | None) -> tuple[State, Innovation | None]:
+    def step(self, state: Placed, dt: float, z: Any | None, R: Any | None) -> tuple[Placed, Innovation | None]:
         if dt > 0.0:
             state = self._predict(state, dt)
         if z is None:
             return state, None
         gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return State(gaussian, state.place), innovation
+        return Placed(gaussian, state.place), innovation
 
-    def estimate(self, state: State) -> Gaussian:
+    def estimate(self, state: Placed) -> Gaussian:
         return state.gaussian
 
-    def _predict(self, state: State, dt: float) -> State:
+    def _predict(self, state: Placed, dt: float) -> Placed:
         mean, place = state.gaussian.mean, state.place
         count, step = sub_steps(dt, self.sub_step)
         for _ in range(count):
@@ -75,4 +74,4 @@ class SaturatedControl:
             place = self._path.advance(place, mean, step)
         # uniform motion with isotropic noise looks the same from every leg: one covariance for all runs
         moved = predict(state.gaussian, *uniform(self._path, dt, self.acceleration_density))
-        return State(moved._replace(mean=mean), place)
+        return Placed(moved._replace(mean=mean), place)

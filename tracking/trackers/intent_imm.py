@@ -1,0 +1,147 @@
+"""Who is flying, and by which law: interacting multiple models over control laws and free flight."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
+from tracking.measurement import MeasurementModel
+from tracking.reference_path import Law, Line, Placed, ReferencePath, check_tuning, reference_path, sub_steps, uniform
+from tracking.trackers import law_ekf, route_control
+
+LIMITS = ("cross_track_limit", "bearing_limit")  # what sets the course of a far intercept, by law
+
+
+class Intent(NamedTuple):
+    """Hypotheses and the place on the path that their common estimate has."""
+
+    mixture: Mixture
+    place: Any
+
+
+@dataclass(frozen=True)
+class IntentImm:
+    """The told law at several intercept limits, and free flight with little and with much manoeuvre.
+
+    Far from the path all that shows of a law is the course at which it intercepts, which the position limit sets (z_max
+    of [Vasylyev 2003, eq. (4)], the bearing limit of eq. (5)). So the bank of laws varies that limit alone, and the
+    model probabilities say which limit is flown, and whether any law is. On a line the laws move as in `law_ekf`, on a
+    route as in `route_control` with the slope of the law.
+
+    Model probabilities are in the order of `modes`. Modes are left at a rate of 1 / ``mean_stay`` for any other mode
+    alike, whatever the time between steps.
+    """
+
+    law: Annotated[Any, "given"]
+    route: Annotated[Any, "given"]  # a Line, or a route
+    measurement: Annotated[MeasurementModel, "given"]
+    limit_factors: tuple[float, ...] = (0.4, 0.64, 1.0, 1.6, 2.4)
+    mean_stay: Annotated[float, "s"] = 80.0
+    law_density: Annotated[float, "m2/s3"] = 0.1
+    straight_density: Annotated[float, "m2/s3"] = 0.05
+    manoeuvre_density: Annotated[float, "m2/s3"] = 3.0
+    sub_step: Annotated[float, "s"] = 0.2
+
+    def __post_init__(self) -> None:
+        if not self.limit_factors or not all(factor > 0.0 for factor in self.limit_factors):
+            raise ValueError(f"limit_factors must be positive numbers, at least one, not {self.limit_factors}")
+        if not self.mean_stay > 0.0:
+            raise ValueError(f"mean_stay must be positive, not {self.mean_stay} s")
+        for density in (self.law_density, self.straight_density, self.manoeuvre_density):
+            check_tuning(density, self.sub_step)
+
+    @cached_property
+    def _path(self) -> ReferencePath:
+        return reference_path(self.route, self.law)
+
+    @cached_property
+    def _limit(self) -> str:
+        return next(name for name in LIMITS if hasattr(self.law, name))
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        return self._path.channels
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of the hypotheses: each law by the factor on its limit, then free flight."""
+        return (*(f"law x {factor:g}" for factor in self.limit_factors), "straight", "manoeuvre")
+
+    @property
+    def limits(self) -> Any:
+        """The position limit of each law of the bank, in the order of `modes`."""
+        return getattr(self.law, self._limit) * np.array(self.limit_factors)
+
+    def bank(self, batch: int) -> Law:
+        """The laws as one, their axis before ``batch`` axes of runs.
+
+        The rate limit grows with the position limit: a law whose rate term cannot balance its position term orbits.
+        """
+        factors = lift(np.array(self.limit_factors), 1, batch)
+        limits = {self._limit: getattr(self.law, self._limit) * factors}
+        if hasattr(self.law, "cross_track_rate_limit"):
+            limits["cross_track_rate_limit"] = self.law.cross_track_rate_limit * np.maximum(factors, 1.0)
+        laws: Law = replace(self.law, **limits)
+        return laws
+
+    def begin(self, prior: Gaussian) -> Intent:
+        batch = prior.mean.ndim - 1
+        count = len(self.modes)
+        weights = np.full((count, *prior.mean.shape[1:]), 1.0 / count)
+        mean = np.repeat(prior.mean[:, None], count, axis=1)
+        cov = np.repeat(lift(prior.cov, 2, batch)[:, :, None], count, axis=2)
+        return Intent(Mixture(weights, mean, cov), self._path.begin(prior.mean))
+
+    def step(self, state: Intent, dt: float, z: Any | None, R: Any | None) -> tuple[Intent, Innovation | None]:
+        if dt > 0.0:
+            state = self._predict(state, dt)
+        if z is None:
+            return state, None
+        predicted = np.einsum("m...,im...->i...", state.mixture.weights, state.mixture.mean)
+        mixture, innovation = update_mixture(state.mixture, *self.measurement.linearise(z, R, predicted))
+        return Intent(mixture, state.place), innovation
+
+    def estimate(self, state: Intent) -> Mixture:
+        return state.mixture
+
+    def _predict(self, state: Intent, dt: float) -> Intent:
+        weights, mean, cov = interact(state.mixture, self._switching(dt))
+        laws = len(self.limit_factors)
+        flown, places = self._fly(Gaussian(mean[:, :laws], cov[:, :, :laws]), state.place, dt)
+        free = self._coast(Gaussian(mean[:, laws:], cov[:, :, laws:]), dt)
+        means = np.concatenate([flown.mean, free.mean], axis=1)
+        shape = np.broadcast_shapes(flown.cov.shape[3:], free.cov.shape[3:])
+        covs = [np.broadcast_to(part.cov, (*part.cov.shape[:3], *shape)) for part in (flown, free)]
+        likeliest = weights[:laws].argmax(axis=0)
+        place = np.take_along_axis(places, likeliest[None], axis=0)[0]
+        return Intent(Mixture(weights, means, np.concatenate(covs, axis=2)), place)
+
+    def _switching(self, dt: float) -> Any:
+        """Switching probabilities over dt: the semigroup of leaving at an even rate."""
+        count = len(self.modes)
+        stay = math.exp(-dt * count / ((count - 1) * self.mean_stay))
+        return stay * np.eye(count) + (1.0 - stay) / count
+
+    def _fly(self, gaussian: Gaussian, place: Any, dt: float) -> tuple[Gaussian, Any]:
+        """Every law from the common place; each then finds its own way along the path."""
+        runs = gaussian.mean.shape[2:]
+        law = self.bank(len(runs))
+        forward: Any = law_ekf.advance if isinstance(self._path, Line) else route_control.autonomous
+        count, step = sub_steps(dt, self.sub_step)
+        Q = lift(uniform(self._path, step, self.law_density)[1], 2, gaussian.cov.ndim - 2)
+        state = Placed(gaussian, np.broadcast_to(place, (len(self.limit_factors), *runs)))
+        for _ in range(count):
+            state = forward(law, self._path, state, step, Q)
+        return state.gaussian, state.place
+
+    def _coast(self, gaussian: Gaussian, dt: float) -> Gaussian:
+        """Free flight, straight and manoeuvring."""
+        calm, F = uniform(self._path, dt, self.straight_density)[::-1]
+        wild = uniform(self._path, dt, self.manoeuvre_density)[1]
+        batch = gaussian.cov.ndim - 2
+        return predict(gaussian, lift(F, 2, batch), lift(np.stack([calm, wild], axis=-1), 3, batch - 1))
