@@ -22,6 +22,7 @@ from aircraft.data import AircraftData, data
 from aircraft.model_files import ModelError
 from aircraft.properties import EARTH_RADIUS, FOOT, getter, node, setter
 from aircraft.state import STANDARD_GRAVITY, AircraftState, Controls
+from aircraft.wind import SteadyWind
 
 RATE = 120  # Hz, of the equations of motion
 UNTOLD_FLAPS = math.radians(40.0)  # full deflection of a model that gives only its share
@@ -179,7 +180,7 @@ class Airframe:
         return self.read()
 
     def step(self, controls: Controls, substeps: int = 4, wind: Wind | None = None) -> None:
-        """Fly ``substeps`` steps of 1/120 s with these controls; a ``wind`` is asked before every one of them.
+        """Fly ``substeps`` steps of 1/120 s with these controls; a changing ``wind`` is asked before every one of them.
 
         Within one call the wind sees the position and airspeed of its beginning.
         """
@@ -190,15 +191,17 @@ class Airframe:
             for _ in range(substeps):
                 run()
             return
+        if isinstance(wind, SteadyWind):
+            self._blow(*wind)
+            for _ in range(substeps):
+                run()
+            return
         time, latitude, longitude, height, *_ = (get() for get in self._state[:4])
         position = (latitude * EARTH_RADIUS, longitude * EARTH_RADIUS, height * FOOT - self.runway.elevation)
         airspeed = self._state[13]() * FOOT
-        set_north, set_east, set_down = self._wind
+        blow, velocity = self._blow, wind.velocity
         for substep in range(substeps):
-            north, east, up = wind.velocity(time + substep / RATE, position, airspeed)
-            set_north(north / FOOT)
-            set_east(east / FOOT)
-            set_down(-up / FOOT)
+            blow(*velocity(time + substep / RATE, position, airspeed))
             run()
 
     def read(self) -> AircraftState:
@@ -247,6 +250,12 @@ class Airframe:
         """Rates of the body-axis velocity (m/s2) and of the body rates (rad/s2)."""
         u, v, w, p, q, r = (get() for get in self._accelerations)
         return u * FOOT, v * FOOT, w * FOOT, p, q, r
+
+    def _blow(self, north: float, east: float, up: float) -> None:
+        set_north, set_east, set_down = self._wind
+        set_north(north / FOOT)
+        set_east(east / FOOT)
+        set_down(-up / FOOT)
 
     def _command(self, controls: Controls) -> None:
         if controls is self._controls:

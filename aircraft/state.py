@@ -94,6 +94,17 @@ class AircraftState(NamedTuple):
         )
 
     @property
+    def acceleration(self) -> tuple[Real, Real, Real]:
+        """(north, east, up) m/s2 from load factors and air-path angles: gravity acts on the vertical only.
+
+        The horizontal part is eq. (1)'s bracket taken apart into its two components [Glistin, eq. (1)].
+        """
+        forward, right, down = self.wind_axes
+        along, side, up = self.load_factor
+        north, east, sinking = (along * forward[i] + side * right[i] - up * down[i] for i in range(3))
+        return STANDARD_GRAVITY * north, STANDARD_GRAVITY * east, -STANDARD_GRAVITY * (sinking + 1.0)
+
+    @property
     def wind_axes(self) -> tuple[tuple[Real, Real, Real], tuple[Real, Real, Real], tuple[Real, Real, Real]]:
         """Unit vectors forward, right, down of the wind axes, each as (north, east, down)."""
         cos_alpha, sin_alpha = np.cos(self.angle_of_attack), np.sin(self.angle_of_attack)
