@@ -43,7 +43,7 @@ def phase_strip(axes: Any, flight: Flight) -> None:
         name = flight.phases[int(flight.phase[first])]
         begin, end = float(time[first]), float(time[min(last, len(time) - 1)])
         axes.axvspan(begin, end, color=style.phase_colour(name), linewidth=0)
-        if (end - begin) / span * room > CHARACTER * len(name) + 0.05:
+        if (end - begin) / span * room > CHARACTER * len(name) + 0.02:
             dark = style.phase_colour(name) in (style.BLACK, style.BLUE, style.VERMILION, style.GREEN)
             axes.text(
                 (begin + end) / 2, 0.46, words(name), ha="center", va="center", fontsize=6.5,

@@ -32,7 +32,7 @@ def bank_history(flight: Flight, law: Any, bank_limit: float) -> Any:
         )
     over_time(axes, flight, np.degrees(flight.command.bank), color=style.BLACK, linewidth=0.9, label="command")
     over_time(axes, flight, np.degrees(flight.state.bank), color=style.BLUE, linewidth=1.3, label="bank")
-    pad(axes, 2.0)
+    pad(axes, 2.0, 0.17)
     axes.set_ylabel("bank, deg (+ right)")
     axes.legend(loc="upper right", ncols=3)
     colours = {"bank": style.ORANGE}

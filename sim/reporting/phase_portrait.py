@@ -61,6 +61,7 @@ def phase_portrait(flight: Flight, law: Any) -> Any:
         axes.set_xlim(-bound[0], bound[0])
         axes.set_ylim(-bound[1], bound[1])
         axes.set_xlabel(plane.x_label)
+        axes.locator_params(axis="x", nbins=5)
         axes.set_title(("whole flight", "near the leg")[i], pad=3)
         if i == 0:
             axes.set_ylabel(plane.y_label)

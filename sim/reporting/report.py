@@ -58,7 +58,9 @@ def write(
         charts=charts(flight, scenario, law),
         checks=[_check_row(check) for check in metrics.get("checks", [])],
         events=_event_rows(flight),
-        flight_rows=_scalar_rows(metrics["flight"]),
+        outcome=words(metrics["flight"]["outcome"]),
+        reason=metrics["flight"].get("reason", ""),
+        flight_rows=_halves(_scalar_rows(metrics["flight"])),
         spread=_spread_rows(metrics.get("flights_summary")),
         trackers=tracker_tables(tracks) if tracks else [],
         draws=metrics.get("draws"),
@@ -135,7 +137,7 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
 
 def _first_screen(scenario: Any, metrics: dict[str, Any]) -> dict[str, Any]:
     checks = metrics.get("checks", [])
-    failed = [words(check["name"]) for check in checks if check["passed"] is False]
+    failed = [_check_name(check) for check in checks if check["passed"] is False]
     return {
         "name": scenario.name,
         "subtitle": _subtitle(scenario, metrics),
@@ -175,8 +177,8 @@ KEY_FIGURES = (
     ("settling_s", "settled after"),
     ("cross_track_rms_final_m", "cross-track RMS, final"),
     ("height_error_rms_final_m", "height error RMS, glide path"),
-    ("touchdown.past_threshold_m", "touchdown past threshold"),
-    ("touchdown.cross_track_m", "touchdown off centreline"),
+    ("touchdown.past_threshold_m", "touchdown past the threshold"),
+    ("touchdown.cross_track_m", "touchdown right of centreline"),
     ("touchdown.sink_mps", "sink at touchdown"),
     ("touchdown.crab_deg", "crab at touchdown"),
 )
@@ -204,7 +206,7 @@ def _check_row(check: dict[str, Any]) -> dict[str, Any]:
     during = check["during"] if isinstance(check["during"], str) else ", ".join(check["during"])
     least = value is not None and margin is not None and abs(value - limit - margin) < abs(limit - value - margin)
     return {
-        "name": split(check["name"])[0] if check["name"] == check["metric"] else words(check["name"]),
+        "name": _check_name(check),
         "when": (words(during) if during != "all" else "whole flight") if check["metric"] in SIGNALS else ABSENT,
         "how": _statistic(check["statistic"], check["for_s"]) if check["metric"] in SIGNALS else "once",
         "limit": f"{'≥' if least else '≤'} {number(float(limit), places)}",
@@ -215,6 +217,11 @@ def _check_row(check: dict[str, Any]) -> dict[str, Any]:
         "passed": check["passed"],
         "source": check["source"] or ABSENT,
     }
+
+
+def _check_name(check: dict[str, Any]) -> str:
+    """The user's name of a check, or its metric in words; the unit has a column of its own."""
+    return words(check["name"]) if check["name"] != check["metric"] else split(check["metric"])[0]
 
 
 def _statistic(name: str, lasting: float) -> str:
@@ -243,15 +250,21 @@ def _event_rows(flight: Flight) -> list[tuple[str, ...]]:
 
 
 def _scalar_rows(figures: dict[str, Any], prefix: str = "") -> list[tuple[str, str, str]]:
-    """(name, value, unit) of every figure; nested tables are written out."""
+    """(name, value, unit) of every number; nested tables are written out."""
     rows: list[tuple[str, str, str]] = []
     for key, value in figures.items():
         if isinstance(value, dict):
             rows += _scalar_rows(value, f"{prefix}{words(key)}: ")
-            continue
-        name, suffix = split(key)
-        rows.append((prefix + name, number(value), suffix if value is not None else ""))
+        elif not isinstance(value, str):
+            name, suffix = split(key)
+            rows.append((prefix + name, number(value), suffix if value is not None else ""))
     return rows
+
+
+def _halves(rows: list[Any]) -> list[list[Any]]:
+    """Two tables of nearly the same length, to stand beside each other."""
+    middle = -(-len(rows) // 2)
+    return [rows[:middle], rows[middle:]]
 
 
 def _spread_rows(summary: dict[str, Any] | None) -> dict[str, Any] | None:

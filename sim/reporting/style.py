@@ -47,6 +47,8 @@ _STYLE = {
     "lines.solid_capstyle": "round",
     "xtick.labelsize": 7.5,
     "ytick.labelsize": 7.5,
+    "xtick.bottom": False,  # the grid marks the places; a mark less is a tenth of a second less
+    "ytick.left": False,
     "legend.fontsize": 7.5,
     "legend.frameon": False,
     "legend.handlelength": 1.6,
@@ -85,6 +87,8 @@ def panels(*heights: float, share: bool = True, top: float = TOP, bottom: float 
         edge -= panel
         box = (LEFT / WIDTH, edge / height, (WIDTH - LEFT - RIGHT) / WIDTH, panel / height)
         axes.append(figure.add_axes(box, sharex=axes[0] if share and axes else None))
+        axes[-1].yaxis.set_label_coords(-0.5 / (WIDTH - LEFT - RIGHT), 0.5)  # fixed places align and cost nothing
+        axes[-1].xaxis.set_label_coords(0.5, -0.28 / panel)
         edge -= GAP
     for upper in axes[:-1] if share else ():
         upper.tick_params(labelbottom=False)

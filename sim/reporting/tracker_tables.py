@@ -44,7 +44,7 @@ def _channel(trackers: dict[str, dict[str, Any]], channel: str) -> Table:
     ]
     rows = [[who, _law(t), *(values[i] for values in columns)] for i, (who, t) in enumerate(chosen.items())]
     header = ["tracker", "law from", "RMSE", "interval", "raw", "gain", *(words(p) for p in phases)]
-    return Table(f"{words(name)}, {unit}: root mean square error overall and by phase", header, rows, 2)
+    return Table(f"{words(name).capitalize()}, {unit}: root mean square error overall and by phase", header, rows, 2)
 
 
 def _interval(figure: dict[str, Any], like: str) -> str:
@@ -80,7 +80,7 @@ def _consistency(trackers: dict[str, dict[str, Any]]) -> Table:
     ]
     header = ["tracker", "kind", "ANEES", "band of a consistent tracker", "ANIS", "lost, %"]
     return Table(
-        "consistency: 1 where the stated covariance is the real one; above it the tracker is too sure of itself",
+        "Consistency: 1 where the stated covariance is the real one; above it the tracker is too sure of itself",
         header,
         rows,
         2,
@@ -99,7 +99,7 @@ def _look_ahead(trackers: dict[str, dict[str, Any]]) -> list[Table]:
         columns = [column([_rmse(t, span, channel) for t in trackers.values()]) for span in spans]
         rows = [[who, *(values[i] for values in columns)] for i, who in enumerate(trackers)]
         header = ["tracker", *(f"{span.replace('_', ' ')} ahead" for span in spans)]
-        tables.append(Table(f"look-ahead of {words(name)}, {unit}: root mean square error", header, rows))
+        tables.append(Table(f"Look-ahead of {words(name)}, {unit}: root mean square error", header, rows))
     return tables
 
 
