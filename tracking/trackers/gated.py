@@ -1,0 +1,59 @@
+"""Kalman filter with an innovation gate: the common baseline against outliers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any
+
+import numpy as np
+from scipy.stats import chi2
+
+from tracking.gaussian import Gaussian, Innovation, predict, update
+from tracking.measurement import MeasurementModel
+from tracking.motion import ConstantVelocity, Motion
+
+STRAIGHT = ConstantVelocity()
+
+
+@dataclass(frozen=True)
+class Gated:
+    """Kalman filter that ignores a measurement whose NIS is too large for its number of channels.
+
+    A tracker that has lost its target stays lost: it then rejects the truth as well, and says so by its NIS.
+    """
+
+    measurement: Annotated[MeasurementModel, "given"]
+    motion: Annotated[Motion, "given"] = STRAIGHT
+    gate_probability: float = 0.9973  # of passing when the model is right: three standard deviations of one channel
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.gate_probability < 1.0:
+            raise ValueError("gate_probability must lie between 0 and 1")
+
+    @cached_property
+    def _limits(self) -> Any:
+        """Largest NIS by the number of channels present."""
+        rows = self.measurement.rows
+        return np.array([0.0, *chi2.ppf(self.gate_probability, np.arange(1, rows + 1))])
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        return self.motion.channels
+
+    def begin(self, prior: Gaussian) -> Gaussian:
+        return prior
+
+    def step(self, state: Gaussian, dt: float, z: Any | None, R: Any | None) -> tuple[Gaussian, Innovation | None]:
+        if dt > 0.0:
+            state = predict(state, *self.motion.transition(dt, state.mean))
+        if z is None:
+            return state, None
+        posterior, innovation = update(state, *self.measurement.linearise(z, R, state.mean))
+        accepted = innovation.nis <= self._limits[np.isfinite(innovation.white).sum(axis=0)]
+        if np.all(accepted):
+            return posterior, innovation
+        return Gaussian(*(np.where(accepted, *pair) for pair in zip(posterior, state, strict=True))), innovation
+
+    def estimate(self, state: Gaussian) -> Gaussian:
+        return state
