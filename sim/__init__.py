@@ -25,7 +25,7 @@ _VERBS = {
     "Result": "sim.experiment",
     "ScenarioError": "sim.errors",
 }
-__all__ = sorted(_VERBS)  # noqa: PLE0605 (names that load when they are asked for)
+__all__ = sorted(_VERBS)
 
 
 def _refuse_strangers() -> None:

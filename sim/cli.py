@@ -161,7 +161,7 @@ def _progress() -> Any:
 
 
 def _exit_code(metrics: dict[str, Any]) -> int:
-    if metrics["crashed"]:
+    if "crashed" in metrics["flights_summary"]["outcomes"]:
         return FLIGHTS_CRASHED
     failed = any(check["passed"] is False for check in metrics["checks"])
     return CHECK_FAILED if failed else GOOD

@@ -201,5 +201,3 @@ def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray
 
 def _lap(timing: dict[str, float], name: str, since: float) -> None:
     timing[name] = time.perf_counter() - since
-
-

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,7 +33,7 @@ def observe(
 def _watch(flight: Flight, sensor: Any, streams: Streams) -> SensorRecord:
     records = [AircraftState(*row) for row in np.column_stack(flight.state).tolist()]
     state, looks = sensor.begin(records[0].time, streams), []
-    for before, after in zip(records, records[1:], strict=False):
+    for before, after in pairwise(records):
         state, seen = sensor.step(state, before, after)
         looks += seen
     m = len(sensor.channels)

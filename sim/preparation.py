@@ -148,9 +148,9 @@ def _route(scenario: Scenario, landing: Landing | None) -> Route:
         assert landing is not None
         if not table.downwind_speed >= table.turn_speed >= landing.approach_speed:
             raise ValueError(
-                f"speeds must fall along the pattern: downwind {table.downwind_speed:.1f}, turn {table.turn_speed:.1f}, "
-                f"approach {landing.approach_speed:.1f} m/s (at least {REFERENCE_MARGIN} of the stall speed and "
-                f"{REFERENCE_ADDITION} m/s)"
+                f"speeds must fall along the pattern: downwind {table.downwind_speed:.1f}, "
+                f"turn {table.turn_speed:.1f}, approach {landing.approach_speed:.1f} m/s "
+                f"(at least {REFERENCE_MARGIN} of the stall speed and {REFERENCE_ADDITION} m/s)"
             )
         return pattern_route(
             table.side,
@@ -259,7 +259,7 @@ def _place(scenario: Scenario) -> Place:
 def _vehicle(scenario: Scenario, gains: Designed) -> Any:
     choice = scenario.aircraft
     if choice.model == "point_mass":
-        return PointMassVehicle(scenario.autopilot.roll_rate_limit)
+        return PointMassVehicle()
     return JsbsimVehicle(
         gains, choice.model, choice.mass, choice.centre_of_gravity_mac, choice.factors, _place(scenario)
     )
@@ -271,10 +271,10 @@ def _warnings(scenario: Scenario, aircraft: AircraftData) -> tuple[str, ...]:
     along, across = scenario.runway.from_local(north, east)
     told = []
     if along > aircraft.tailwind_limit:
-        told.append(f"tailwind {along:.1f} m/s is above the limit of {aircraft.tailwind_limit:.1f} m/s ({aircraft.title})")
+        told.append(
+            f"tailwind {along:.1f} m/s is above the limit of {aircraft.tailwind_limit:.1f} m/s ({aircraft.title})"
+        )
     if abs(across) > aircraft.crosswind_limit:
         limit = aircraft.crosswind_limit
         told.append(f"crosswind {abs(across):.1f} m/s is above the limit of {limit:.1f} m/s ({aircraft.title})")
     return tuple(told)
-
-

@@ -46,12 +46,10 @@ def _number(value: float | None) -> str:
 
 
 def _table(rows: list[Any], words: int) -> list[str]:
-    """Aligned columns: the first ``words`` to the left, numbers to the right."""
+    """Aligned columns: the first ``words`` and the last of a table of verdicts to the left, numbers to the right."""
     widths = [max(len(str(row[i])) for row in rows) for i in range(len(rows[0]))]
-    return [
-        "  ".join(
-            f"{cell:<{width}}" if i < words or i == len(row) - 1 and not str(cell)[:1].isdigit() else f"{cell:>{width}}"
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
+    lines = []
+    for row in rows:
+        cells = [f"{c:<{w}}" if i < words else f"{c:>{w}}" for i, (c, w) in enumerate(zip(row, widths, strict=True))]
+        lines.append("  ".join(cells).rstrip())
+    return lines

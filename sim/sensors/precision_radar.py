@@ -91,7 +91,7 @@ class PrecisionRadar:
     def step(
         self, scan: Scan, before: AircraftState, after: AircraftState
     ) -> tuple[Scan, list[tuple[float, float, np.ndarray, np.ndarray]]]:
-        """Looks between two records: (epoch, arrival, z (3, draws), R (3, 3, draws)); outside the sector there is none."""
+        """Looks between two records: (epoch, arrival, z (3, draws), R (3, 3, draws)); none outside the sector."""
         looks = []
         epoch = scan.epoch
         while epoch <= after.time:
