@@ -104,7 +104,7 @@ def test_one_accuracy_is_the_kalman_filter(factors):
     z[30:40, :, 2] = np.nan
     chain = ((1.0,),) if len(factors) == 1 else ((0.8, 0.2), (0.3, 0.7))
     switching, kalman = tracked(SwitchingNoise(MEASURED, factors, chain), z), tracked(Elevation(MEASURED), z)
-    np.testing.assert_allclose(switching.mean, kalman.mean, rtol=1e-12)
+    np.testing.assert_allclose(switching.mean, kalman.mean, rtol=1e-12, atol=1e-15)
     # Residuals in sigmas magnify the rounding of an angle by 1e3, anomalous ones by 30 more.
     np.testing.assert_allclose(switching.log_likelihood, kalman.log_likelihood, rtol=1e-11, atol=1e-11)
     np.testing.assert_allclose(switching.cov, np.broadcast_to(kalman.cov, switching.cov.shape), rtol=1e-10)
