@@ -27,8 +27,10 @@ def refuse_unknown(checks: tuple[Check, ...], phases: tuple[str, ...]) -> list[s
     for i, check in enumerate(checks):
         wanted = (check.during,) if isinstance(check.during, str) else check.during
         for phase in wanted:
-            if phase not in (*phases, "all"):
-                faults.append(f"[[checks]] entry {i} during: no phase '{phase}'; {did_you_mean(phase, phases)}")
+            if phase not in (*phases, "all", "gate"):
+                faults.append(
+                    f"[[checks]] entry {i} during: no phase '{phase}'; {did_you_mean(phase, (*phases, 'all', 'gate'))}"
+                )
         known = check.metric in SIGNALS or check.metric in SCALARS or check.metric.startswith("trackers.")
         if not known:
             hint = did_you_mean(check.metric, [*SIGNALS, *SCALARS])

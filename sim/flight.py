@@ -13,6 +13,7 @@ from autopilot.route import PathDeviation, Route
 from sim.outcomes import Judge, Limits
 
 RECORD_STEP = 1.0 / 30.0  # s, of the record and of the autopilot
+GATE_HEIGHT = 300.0  # m; at and below, an approach must be stabilised
 NEAR_GROUND = 60.0  # m; below, the autopilot runs at twice the rate for the flare
 
 
@@ -63,10 +64,13 @@ class Flight:
         )
 
     def during(self, phases: str | tuple[str, ...]) -> np.ndarray:
-        """(k,) bool: where one of the phases was flown; ``all`` is everywhere."""
+        """(k,) bool: where one of the phases was flown; ``all`` is everywhere, ``gate`` the glide path below 300 m."""
         wanted = (phases,) if isinstance(phases, str) else phases
         if "all" in wanted:
             return np.ones(len(self.time), bool)
+        if "gate" in wanted:
+            rest = tuple(name for name in wanted if name != "gate")
+            return (self.during("glide") & (self.state.height <= GATE_HEIGHT)) | self.during(rest)
         return np.isin(self.phase, [i for i, name in enumerate(self.phases) if name in wanted])
 
 

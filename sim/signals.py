@@ -10,7 +10,8 @@ from sim.flight import Flight
 from sim.tables import Runway
 
 # A single upper limit on one of these is meant for its magnitude.
-MAGNITUDES = {"bank_deg", "bank_rate_degps", "cross_track_m", "height_error_m", "crab_deg"}
+MAGNITUDES = {"bank_deg", "bank_rate_degps", "cross_track_m", "height_error_m", "crab_deg", "glide_dots"}
+DOT = 0.35  # deg, of a glide-path needle [full scale 0.7 deg at 3 deg]
 
 
 def height_error(flight: Flight, runway: Runway) -> np.ndarray:
@@ -38,11 +39,20 @@ def crab(flight: Flight) -> np.ndarray:
     return np.asarray(np.remainder(s.heading - s.course + np.pi, 2 * np.pi) - np.pi)
 
 
+def glide_dots(flight: Flight, runway: Runway) -> np.ndarray:
+    """Angle off the glide path seen from its foot, in dots of 0.35 deg."""
+    past, _ = runway.from_local(flight.state.north, flight.state.east)
+    distance = np.maximum(runway.aiming_point - past, 1.0)
+    angle = np.arctan2(flight.state.height, distance) - runway.glide_path
+    return np.where(flight.during("glide"), np.degrees(angle) / DOT, np.nan)
+
+
 SIGNALS: dict[str, Callable[[Flight, Runway], np.ndarray]] = {
     "bank_deg": lambda flight, runway: np.degrees(flight.state.bank),
     "bank_rate_degps": lambda flight, runway: np.degrees(bank_rate(flight)),
     "cross_track_m": lambda flight, runway: flight.deviation.cross_track,
     "height_error_m": height_error,
+    "glide_dots": glide_dots,
     "airspeed_error_mps": lambda flight, runway: flight.state.airspeed - flight.command.airspeed,
     "sink_mps": lambda flight, runway: -flight.state.velocity_up,
     "crab_deg": lambda flight, runway: np.degrees(crab(flight)),
