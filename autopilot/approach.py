@@ -47,7 +47,7 @@ class Landing:
     capture_cross_track: Annotated[float, "m"] = 130.0  # half scale: no descent outside it
     flare_time: Annotated[float, "s"] = 3.2  # time constant of the exponential
     touchdown_sink: Annotated[float, "m/s"] = 0.4
-    flare_deceleration: Annotated[float, "m/s2"] = 0.6
+    flare_deceleration: Annotated[float, "m/s2"] = 1.0
     align_height: Annotated[float, "m"] = 14.0  # of the wheels, where the de-crab begins
     align_time: Annotated[float, "s"] = 3.0
     sideslip_limit: Annotated[float, "rad"] = math.radians(8.0)
@@ -213,8 +213,11 @@ class Approach:
                 speed, deceleration = 0.0, landing.flare_deceleration
                 if state.main_wheels > 0.0:
                     phase = GROUND
-            if phase == GROUND:
-                speed, height, climb_rate = 0.0, landing.wheel_height, 0.0
+            if phase == GROUND:  # slow down, wings level, and down onto all wheels
+                climb_rate = -landing.touchdown_sink
+                height += climb_rate * dt
+                airspeed = min(airspeed, state.airspeed)
+                speed, deceleration = 0.0, landing.flare_deceleration
             elif phase == GO_AROUND:
                 lowest = min(lowest, state.height)
                 if state.height > lowest + landing.regained_height:
@@ -234,12 +237,11 @@ class Approach:
 
         change = deceleration * dt
         airspeed += change if speed - airspeed > change else max(speed - airspeed, -change)
-        wanted = 0.0 if phase == GROUND else law(deviation)
-        sideslip = 0.0
+        wanted, sideslip = law(deviation), 0.0
         if aligned > 0.0 and landing is not None:
             most = landing.sideslip_limit
             sideslip = aligned * (most if crab > most else -most if crab < -most else crab)
-            wanted += landing.sideslip_bank * sideslip
+            wanted = wanted + landing.sideslip_bank * sideslip if phase < GROUND else 0.0
         change = self.roll_rate_limit * dt
         bank += change if wanted - bank > change else max(wanted - bank, -change)
         slope = math.atan2(climb_rate, math.hypot(velocity_north, velocity_east)) if climb_rate != 0.0 else 0.0

@@ -24,10 +24,12 @@ SIDESLIP, ROLL_RATE, YAW_RATE, BANK = math.radians(3), math.radians(12), math.ra
 BANK_INTEGRAL = math.radians(12)  # rad s
 AILERON = RUDDER = 0.35
 
-REFERENCE_SHARE = 0.7  # of the bandwidth of the bank loop: natural frequency of the bank reference
+REFERENCE_SHARE = (
+    3.0  # of the bandwidth of the bank loop: natural frequency of the reference, which only rounds corners
+)
 LAW_SHARE = 1.0 / 6.0  # of the bandwidth of the bank loop: fastest natural frequency of the route law
 BANK_SHARE = 0.85  # of the bank limit that an undisturbed intercept may use
-LAW_DAMPING = 0.9
+LAW_DAMPING = 0.95
 INTERCEPT = math.radians(30.0)
 RATE_MARGIN = 1.1  # of cross_track_rate_limit over what the turn between two legs needs
 
@@ -81,6 +83,18 @@ class Designed(NamedTuple):
     def law(self) -> LateralNavigation:
         """The route law of the design."""
         return LateralNavigation(self.k1, self.k2, self.bank_limit, self.cross_track_limit, self.cross_track_rate_limit)
+
+    def time_to_roll(self, speed: float, roll_rate_limit: float) -> float:
+        """Time, s, by which a turn flown by the law lags behind the circle of its plan.
+
+        Half the time to roll in, the lag of the bank reference at both ends, and the law's own way out of saturation:
+        it ends a turn on the leg without overshoot when the full-bank circle passes the leg at bank_limit/(2 k1).
+        """
+        return (
+            self.bank_limit / (2.0 * roll_rate_limit)
+            + 4.0 / self.reference_frequency
+            + self.bank_limit / (2.0 * self.k1 * speed)
+        )
 
     def to_table(self) -> dict[str, Any]:
         """As lists and floats, for a file."""

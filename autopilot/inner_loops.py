@@ -1,8 +1,8 @@
 """Bank -> aileron and rudder, path -> elevator, speed -> throttle: Command -> Controls.
 
 Linear-quadratic loops about a feed-forward that knows the trim. Two signals are made inertial so that gusts do not
-shake the controls: the angle of attack fed back is pitch minus path angle, and the airspeed is its slow part plus the
-fast part of the speed over the ground.
+shake the controls: the angle of attack fed back is pitch minus path angle, and the airspeed is the speed through the
+slow part of the wind.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import NamedTuple
 from aircraft.state import STANDARD_GRAVITY, AircraftState, Command, Controls
 from autopilot.design import Designed
 
-GUST_TIME = 5.0  # s; slower changes of the wind along the path count as airspeed
+GUST_TIME = 5.0  # s; slower changes of the wind count as airspeed
 AIRSPEED_ERROR, HEIGHT_ERROR = 8.0, 20.0  # m/s, m: larger errors are not acted upon harder
 LOAD_FACTORS = 0.7, 1.4  # that the feed-forward believes
 STALE = 0.01  # relative change of airspeed squared, or rad of flaps, after which the gains are looked up again
@@ -39,7 +39,8 @@ class LoopState(NamedTuple):
     elevator_sum: float
     aileron_sum: float
     rudder_sum: float
-    headwind: float  # m/s, slow part of airspeed minus speed over the ground
+    wind_north: float  # m/s, slow part of the velocity over the ground minus that through the air
+    wind_east: float
     airspeed: float  # m/s, command of the step before
     slope: float  # rad, path angle commanded in the step before
     lookup: Lookup
@@ -57,7 +58,7 @@ class InnerLoops:
         slope = math.atan2(state.velocity_up, over_ground)
         s = LoopState(
             *(state.bank, 0.0, 0.0, 0.0, 0.0, 0.0),
-            state.airspeed - math.hypot(over_ground, state.velocity_up),
+            *_wind(state),
             state.airspeed,
             slope,
             self.lookup(state.airspeed**-2.0, state.flaps),
@@ -87,18 +88,8 @@ class InnerLoops:
 
     def step(self, s: LoopState, command: Command, state: AircraftState, dt: float) -> tuple[LoopState, Controls]:
         """Controls for the next ``dt`` seconds."""
-        (
-            reference,
-            reference_rate,
-            throttle_sum,
-            elevator_sum,
-            aileron_sum,
-            rudder_sum,
-            headwind,
-            before,
-            old,
-            lookup,
-        ) = s
+        (reference, reference_rate, throttle_sum, elevator_sum, aileron_sum, rudder_sum, *slow) = s
+        wind_north, wind_east, before, old, lookup = slow
         wanted_bank, slope, wanted_height, wanted_airspeed, wanted_flaps, gear, wanted_sideslip = command
         inverse_square = 1.0 / (wanted_airspeed * wanted_airspeed)
         known, known_flaps, trim, gains = lookup
@@ -112,11 +103,14 @@ class InnerLoops:
 
         bank, pitch = state.bank, state.pitch
         cos_bank, sin_bank = math.cos(bank), math.sin(bank)
-        over_ground = math.hypot(state.velocity_north, state.velocity_east)
-        climb = state.velocity_up
-        speed = math.sqrt(over_ground * over_ground + climb * climb)
-        headwind += (state.airspeed - speed - headwind) * min(dt / GUST_TIME, 1.0)
-        airspeed = speed + headwind
+        velocity_north, velocity_east, climb = state.velocity_north, state.velocity_east, state.velocity_up
+        over_ground = math.sqrt(velocity_north * velocity_north + velocity_east * velocity_east)
+        share = dt / GUST_TIME
+        blowing_north, blowing_east = _wind(state)
+        wind_north += (blowing_north - wind_north) * share
+        wind_east += (blowing_east - wind_east) * share
+        air_north, air_east = velocity_north - wind_north, velocity_east - wind_east
+        airspeed = math.sqrt(air_north * air_north + air_east * air_east + climb * climb)
 
         frequency = self.designed.reference_frequency
         reference_rate += frequency * (frequency * (wanted_bank - reference) - 2.0 * reference_rate) * dt
@@ -182,7 +176,7 @@ class InnerLoops:
         return (
             LoopState(
                 *(reference, reference_rate, throttle_sum, elevator_sum, aileron_sum, rudder_sum),
-                *(headwind, wanted_airspeed, slope, lookup),
+                *(wind_north, wind_east, wanted_airspeed, slope, lookup),
             ),
             Controls(
                 -1.0 if aileron < -1.0 else 1.0 if aileron > 1.0 else aileron,
@@ -193,3 +187,10 @@ class InnerLoops:
                 gear,
             ),
         )
+
+
+def _wind(state: AircraftState) -> tuple[float, float]:
+    """Velocity over the ground minus velocity through the air, m/s (north, east)."""
+    air_course = state.heading + state.sideslip
+    level = state.airspeed - 0.5 * state.velocity_up * state.velocity_up / state.airspeed
+    return state.velocity_north - level * math.cos(air_course), state.velocity_east - level * math.sin(air_course)
