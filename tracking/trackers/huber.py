@@ -48,7 +48,7 @@ class Huber:
             return state, None
         linear = self.measurement.linearise(z, R, state.mean)
         posterior, innovation = update(state, *linear)
-        weight = np.ones(np.shape(linear.z))
+        weight, R = np.ones(np.shape(linear.z)), lift(linear.R, 2, np.ndim(linear.z) - 1)
         for _ in range(ITERATIONS):
             better = self._weights(linear, posterior.mean)
             moving = np.any(np.abs(better - weight) > CONVERGED * weight, axis=0)  # each run ends by itself
@@ -56,7 +56,7 @@ class Huber:
                 break
             weight = np.where(moving, better, weight)
             spread = 1.0 / np.sqrt(weight)
-            posterior, _ = update(state, linear.z, linear.H, linear.R * spread[:, None] * spread)
+            posterior, _ = update(state, linear.z, linear.H, R * spread[:, None] * spread)
         return posterior, innovation
 
     def estimate(self, state: Gaussian) -> Gaussian:

@@ -1,0 +1,147 @@
+"""Does a tracker still follow what it measures? Accuracy monitoring, lock and conformance are one question.
+
+The NIS of a tracker whose model holds is chi-square with one degree of freedom per channel measured, independent from
+epoch to epoch, so that its sum over a window is chi-square too: exactly for a linear Gaussian filter, nearly for the
+moment-matched innovation of an IMM. A manoeuvre that the model does not know, a target that left the route whose law
+the tracker was told, a sensor worse than its R, a lost target: all raise it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from scipy.special import gammaincc
+
+from tracking.gaussian import Gaussian, Innovation, Mixture, merge
+from tracking.track import Tracker
+
+Array = Any
+
+
+class Window(NamedTuple):
+    """The last epochs at which something was measured, newest last."""
+
+    nis: tuple[Array, ...]  # (*B) each
+    degrees: tuple[Array, ...]  # (*B) each, channels measured
+
+
+class Verdict(NamedTuple):
+    """What the window says."""
+
+    probability: Array  # (*B) of so large a sum if the model holds; 1 where nothing was measured
+    alarm: Array  # (*B) bool
+
+
+@dataclass(frozen=True)
+class NisMonitor:
+    """Alarm when the sum of NIS over the last ``window`` epochs is too large for chance.
+
+    ``false_alarm_rate`` is the probability of an alarm at each epoch at which something is measured, while the model
+    holds. Neighbouring windows overlap, so alarms come in bursts and their onsets are rarer.
+    """
+
+    window: int = 10  # epochs
+    false_alarm_rate: float = 1e-4
+
+    def __post_init__(self) -> None:
+        if self.window < 1:
+            raise ValueError("window must be at least 1 epoch")
+        if not 0.0 < self.false_alarm_rate < 1.0:
+            raise ValueError("false_alarm_rate must lie between 0 and 1")
+
+    def begin(self) -> Window:
+        """Nothing measured yet."""
+        return Window((), ())
+
+    def step(self, window: Window, innovation: Innovation | None) -> tuple[Window, Verdict | None]:
+        """Add one epoch; no verdict where there was no measurement."""
+        if innovation is None:
+            return window, None
+        degrees = np.isfinite(innovation.white).sum(axis=0)
+        nis = np.where(degrees > 0, innovation.nis, 0.0)
+        window = Window((*window.nis, nis)[-self.window :], (*window.degrees, degrees)[-self.window :])
+        freedom = sum(window.degrees)
+        with np.errstate(invalid="ignore"):
+            probability = np.where(freedom > 0, gammaincc(0.5 * np.maximum(freedom, 1), 0.5 * sum(window.nis)), 1.0)
+        return window, Verdict(probability, ~(probability >= self.false_alarm_rate))  # NaN is an alarm
+
+
+class MonitoredState(NamedTuple):
+    """A tracker's state with what the monitor saw."""
+
+    tracker: Any
+    window: Window
+    probability: Array  # (*B) of the last verdict
+    restarts: Array  # (*B)
+
+
+@dataclass(frozen=True)
+class Monitored:
+    """Any tracker under a `NisMonitor`, restarted from a wide prior in the runs in which it alarms.
+
+    A restart keeps the estimate's mean, forgets its covariance for ``wide``, takes in the present measurement and
+    empties the window. A tracker's state must be (nested tuples of) arrays with the runs on the last axis.
+    """
+
+    tracker: Annotated[Tracker, "given"]
+    wide: Annotated[Any, "given"]  # (n, n) covariance to restart from
+    monitor: NisMonitor = NisMonitor()
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        return self.tracker.channels
+
+    def begin(self, prior: Gaussian) -> MonitoredState:
+        batch = np.shape(prior.mean)[1:]
+        return MonitoredState(
+            self.tracker.begin(prior), self.monitor.begin(), np.ones(batch), np.zeros(batch, dtype=int)
+        )
+
+    def step(
+        self, state: MonitoredState, dt: float, z: Any | None, R: Any | None
+    ) -> tuple[MonitoredState, Innovation | None]:
+        followed, innovation = self.tracker.step(state.tracker, dt, z, R)
+        window, verdict = self.monitor.step(state.window, innovation)
+        if verdict is None:
+            return MonitoredState(followed, window, state.probability, state.restarts), None
+        if np.any(verdict.alarm):
+            followed = choose(verdict.alarm, self._restarted(state, dt, z, R, followed), followed)
+            window = choose(verdict.alarm, _emptied(window), window)
+        return MonitoredState(followed, window, verdict.probability, state.restarts + verdict.alarm), innovation
+
+    def estimate(self, state: MonitoredState) -> Gaussian | Mixture:
+        return self.tracker.estimate(state.tracker)
+
+    def _restarted(self, state: MonitoredState, dt: float, z: Any, R: Any, followed: Any) -> Any:
+        mean = _mean(self.tracker.estimate(followed))
+        if not np.isfinite(mean).all():  # what cannot be followed is predicted from before
+            before = _mean(self.tracker.estimate(self.tracker.step(state.tracker, dt, None, None)[0]))
+            mean = np.where(np.isfinite(mean), mean, before)
+        wide = np.asarray(self.wide, dtype=float)
+        wide = wide.reshape(*wide.shape, *(1,) * (mean.ndim - 1))
+        return self.tracker.step(self.tracker.begin(Gaussian(mean, wide)), 0.0, z, R)[0]
+
+
+def choose(mask: Array, one: Any, other: Any) -> Any:
+    """``one`` in the runs (*B) of the mask, ``other`` elsewhere, leaf by leaf through nested tuples of arrays.
+
+    What is the same in both, or is not an array (a count of epochs, a name), is taken from ``other``.
+    """
+    if one is other:
+        return other
+    if isinstance(other, tuple):
+        leaves = (choose(mask, a, b) for a, b in zip(one, other, strict=True))
+        return type(other)(*leaves) if hasattr(other, "_fields") else tuple(leaves)
+    if isinstance(other, np.ndarray | np.generic):
+        return np.where(mask, one, other)
+    return other
+
+
+def _emptied(window: Window) -> Window:
+    return Window(tuple(0.0 * nis for nis in window.nis), tuple(0 * degrees for degrees in window.degrees))
+
+
+def _mean(estimate: Gaussian | Mixture) -> Array:
+    return merge(estimate).mean if isinstance(estimate, Mixture) else estimate.mean
