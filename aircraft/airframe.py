@@ -331,7 +331,10 @@ def load(
         )
     executive = _executive(source)
     has_propellers = any(tree.tag == "propeller" for tree in source.files.values())
-    return Airframe(executive, aircraft, runway or Runway(), _main_gear(source.root), has_propellers)
+    try:
+        return Airframe(executive, aircraft, runway or Runway(), _main_gear(source.root), has_propellers)
+    except Exception as error:  # KeyError of ours, or JSBSim's own, which has no common base
+        raise ModelError(f"'{source.name}' cannot be used: {_sentence([str(error)])}") from None
 
 
 def _executive(source: model_files.Model) -> Any:
