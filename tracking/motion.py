@@ -49,12 +49,20 @@ class Motion(Protocol):
 
 
 def van_loan(A: Array, noise: Array, dt: float) -> tuple[Array, Array]:
-    """Exact (F, Q) of ``x' = A x + w`` with white noise of density ``noise`` (n, n), by one matrix exponential."""
+    """Exact (F, Q) of ``x' = A x + w`` with white noise of density ``noise`` (n, n), by one matrix exponential.
+
+    The exponential is taken over a part of dt on which A hardly acts and doubled up from there, because its block
+    F^-1 Q would lose all digits where a mode has died out within dt.
+    """
     A, noise = np.asarray(A, dtype=float), np.asarray(noise, dtype=float)
     n = len(A)
-    block = expm(np.block([[-A, noise], [np.zeros((n, n)), A.T]]) * dt)
+    size = float(np.abs(A).sum(axis=1).max()) * dt
+    doublings = max(0, math.ceil(math.log2(size))) if size > 1.0 else 0
+    block = expm(np.block([[-A, noise], [np.zeros((n, n)), A.T]]) * (dt / 2**doublings))
     F = block[n:, n:].T
     Q = F @ block[:n, n:]
+    for _ in range(doublings):
+        F, Q = F @ F, F @ Q @ F.T + Q
     return F, 0.5 * (Q + Q.T)
 
 

@@ -90,7 +90,7 @@ class Elevation:
         form (19), the only one that holds for it.
     """
 
-    measured: Annotated[tuple[str, ...], "given"] = ("elevation",)
+    measured: Annotated[tuple[str, ...], "given"]
     order: int = 2
     period: Annotated[float, "s"] = PERIOD
     angle_increment: Annotated[float, "rad"] = math.radians(math.sqrt(1e-5))

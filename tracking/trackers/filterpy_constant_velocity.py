@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from tracking.gaussian import Gaussian, Innovation, predict, update
 from tracking.filterpy_adapter import constant_velocity
+from tracking.gaussian import Gaussian, Innovation, predict, update
 from tracking.measurement import MeasurementModel
 from tracking.motion import CARTESIAN
 

@@ -30,7 +30,7 @@ class ModelSet(NamedTuple):
 
 
 def published_set(acceleration_density: float = 0.01, slow: float = -0.001, fast: float = -0.045) -> ModelSet:
-    """Two left turns and straight flight, as published [Volovyk 2022, section 3].
+    """Two left turns and straight flight, as published [Volovyk 2022, section 4].
 
     Erratum: printed initial probabilities .53 .33 .13, which sum to .99, used 8/15 5/15 2/15, because these truncate
     to the printed digits and sum to one.

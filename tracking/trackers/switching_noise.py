@@ -78,7 +78,7 @@ class SwitchingNoise:
     rate_increment, period : the process noise of `tracking.trackers.elevation.Elevation`, order 2.
     """
 
-    measured: Annotated[tuple[str, ...], "given"] = ("elevation",)
+    measured: Annotated[tuple[str, ...], "given"]
     factors: tuple[float, ...] = (1.0, 30.0)
     switching: tuple[tuple[float, ...], ...] = ((0.8, 0.2), (0.8, 0.2))
     period: Annotated[float, "s"] = PERIOD
