@@ -14,15 +14,20 @@ from sim.reporting.thinning import peaks, runs
 CHARACTER = 0.05  # in, width of a character of the strip's text
 
 
-def by_phase(axes: Any, flight: Flight, x: np.ndarray, y: np.ndarray, among: np.ndarray | None = None) -> None:
-    """Draw y over x in the colours of the phases, broken where the leg changes or ``among`` is False."""
+def by_phase(
+    axes: Any, flight: Flight, x: np.ndarray, y: np.ndarray, among: np.ndarray | None = None, joined: bool = True
+) -> None:
+    """Draw y over x in the colours of the phases, where ``among`` is True.
+
+    The path is broken where the leg changes, and between phases unless ``joined``.
+    """
     wanted = np.ones(len(x), bool) if among is None else among
     key = np.where(wanted, flight.leg * len(flight.phases) + flight.phase, -1)
     for first, last in runs(key):
         if not wanted[first]:
             continue
-        joined = last < len(x) and wanted[last] and flight.leg[last] == flight.leg[first]
-        chosen = first + peaks(y[first : last + joined])
+        onward = joined and last < len(x) and wanted[last] and flight.leg[last] == flight.leg[first]
+        chosen = first + peaks(y[first : last + int(onward)])
         name = flight.phases[int(flight.phase[first])]
         axes.plot(x[chosen], y[chosen], color=style.phase_colour(name), linewidth=1.5)
 

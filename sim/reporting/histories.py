@@ -7,15 +7,17 @@ from typing import Any
 import numpy as np
 
 from sim.flight import Flight
+from sim.metrics import GLIDE_CAPTURE
 from sim.reporting import style
 from sim.reporting.curves import by_phase, over_time, pad, phase_strip
-from sim.reporting.quantities import words
 from sim.reporting.thinning import where
 from sim.signals import height_error
 from sim.tables import Runway
 
 STRIP = 0.17  # in, height of the strip of phases
 TIME = "time, s"
+STRETCHES = {"Deviations on the glide path": ("glide", "flare"), "Deviations on the final leg": ("final",)}
+LEAST_SCALE = 0.25  # m, so that hundredths do not look like errors
 
 
 def bank_history(flight: Flight, law: Any, bank_limit: float) -> Any:
@@ -84,14 +86,41 @@ def speed_history(flight: Flight) -> Any:
     return figure
 
 
+def airframe_history(flight: Flight) -> Any | None:
+    """Figure of what only a whole aircraft has: incidence, vertical speed, load factor, controls; None for a point."""
+    state = flight.state
+    if not np.any(state.elevator) and not np.any(state.throttle):
+        return None
+    figure, (strip, angles, vertical, controls) = style.panels(STRIP, 1.1, 1.0, 1.2)
+    phase_strip(strip, flight)
+    over_time(angles, flight, np.degrees(state.pitch), color=style.BLUE, label="pitch")
+    over_time(angles, flight, np.degrees(state.angle_of_attack), color=style.ORANGE, label="angle of attack")
+    over_time(angles, flight, np.degrees(state.sideslip), color=style.GREEN, label="sideslip")
+    angles.set_ylabel("angle, deg")
+    over_time(vertical, flight, state.velocity_up, color=style.BLUE)
+    vertical.set_ylabel("vertical speed,\nm/s (+ up)")
+    for name, colour in (
+        ("throttle", style.BLACK), ("elevator", style.BLUE), ("aileron", style.VERMILION), ("rudder", style.GREEN),
+    ):  # fmt: skip
+        over_time(controls, flight, getattr(state, name), color=colour, linewidth=0.9, label=name)
+    controls.set_ylabel("controls, share of travel")
+    controls.set_xlabel(TIME)
+    for axes, least in ((angles, 4.0), (vertical, 2.0), (controls, 0.4)):
+        pad(axes, least, 0.2 if axes is not vertical else 0.08)
+        axes.axhline(0.0, color=style.BLACK, linewidth=0.5, zorder=1)
+    angles.legend(loc="upper left", ncols=3)
+    controls.legend(loc="upper left", ncols=4)
+    return figure
+
+
 def error_history(flight: Flight, runway: Runway) -> Any:
     """Figure of cross-track and height error over the whole flight, against the leg then active."""
     figure, (strip, across, above) = style.panels(STRIP, 1.25, 1.25)
     phase_strip(strip, flight)
-    by_phase(across, flight, flight.time, flight.deviation.cross_track)
+    by_phase(across, flight, flight.time, flight.deviation.cross_track, joined=False)
     across.set_ylabel("cross-track, m (+ right)")
     pad(across, 10.0)
-    by_phase(above, flight, flight.time, height_error(flight, runway))
+    by_phase(above, flight, flight.time, height_error(flight, runway), joined=False)
     above.set_ylabel("height error, m")
     pad(above, 4.0)
     above.set_xlabel(TIME)
@@ -100,26 +129,29 @@ def error_history(flight: Flight, runway: Runway) -> Any:
     return figure
 
 
-def final_errors(flight: Flight, runway: Runway) -> tuple[Any, str] | None:
-    """Figure of both errors on the last stretch, over the distance to the end of the leg, and the phases it shows.
+def final_errors(flight: Flight, runway: Runway) -> tuple[str, Any] | None:
+    """Title and figure of both errors on the last stretch, over the distance to the end of the leg.
 
-    The stretch is the glide path down to the ground, else the final leg; None where neither was flown.
+    The stretch is the glide path down to the ground, else the final leg; None where neither was flown. The scale is
+    that of the time after the capture, which may leave the frame.
     """
-    for phases in (("glide", "flare"), ("final",)):
+    for title, phases in STRETCHES.items():
         among = flight.during(phases)
         if among.sum() > 1:
             break
     else:
         return None
     to_go = flight.deviation.distance_to_go * 1e-3
-    figure, (across, above) = style.panels(1.25, 1.25)
-    by_phase(across, flight, to_go, flight.deviation.cross_track, among)
-    across.set_ylabel("cross-track, m (+ right)")
-    by_phase(above, flight, to_go, height_error(flight, runway), among)
-    above.set_ylabel("height error, m")
-    for axes in (across, above):
-        pad(axes, 0.5)
+    captured = among & (flight.time >= flight.time[among][0] + GLIDE_CAPTURE)
+    figure, panels = style.panels(1.25, 1.25)
+    errors = (flight.deviation.cross_track, height_error(flight, runway))
+    for axes, error, name in zip(panels, errors, ("cross-track, m (+ right)", "height error, m"), strict=True):
+        by_phase(axes, flight, to_go, error, among, joined=False)
+        axes.set_ylabel(name)
+        settled = error[captured if np.isfinite(error[captured]).any() else among]
+        half = 1.3 * max(float(np.nanmax(np.abs(settled), initial=0.0)), LEAST_SCALE)
+        axes.set_ylim(-half, half)
         axes.axhline(0.0, color=style.BLACK, linewidth=0.5, zorder=1)
-    above.set_xlim(float(np.nanmax(to_go[among])), float(np.nanmin(to_go[among])))
-    above.set_xlabel("distance to the end of the leg, km")
-    return figure, " and ".join(words(name) for name in phases if flight.during(name).any())
+    panels[1].set_xlim(float(np.nanmax(to_go[among])), float(np.nanmin(to_go[among])))
+    panels[1].set_xlabel("distance to the end of the leg, km")
+    return title, figure

@@ -49,7 +49,7 @@ def plan_view(flight: Flight, runway: Runway) -> Any:
         color="white",
         markeredgecolor="#555555",
         markersize=5,
-        label="turning point of the route",
+        label="point of the route",
     )
     if shown:
         axes.plot(runway_x, runway_y, color=style.BLACK, linewidth=4, solid_capstyle="butt", alpha=0.75, label="runway")
@@ -121,25 +121,24 @@ def _compass(axes: Any, course: float, flight: Flight, busy: np.ndarray) -> None
     speed = float(np.hypot(*wind))
     across, up = _emptiest(axes, busy)
     left, right = (across - ARROWS / 2, up), (across + ARROWS / 2, up)
-    _arrow(axes, left, (math.cos(course), math.sin(course)), style.BLACK)
-    _text(axes, (left[0], left[1] - 24), "north", style.BLACK)
+    _arrow(axes, left, (math.cos(course), math.sin(course)), "north", style.BLACK)
     if not speed >= CALM:
         _text(axes, right, "calm", style.BLUE)
         return
     along = (wind[0] * math.cos(course) + wind[1] * math.sin(course)) / speed
     beside = (wind[1] * math.cos(course) - wind[0] * math.sin(course)) / speed
-    _arrow(axes, right, (along, -beside), style.BLUE)
     comes_from = math.degrees(math.atan2(-wind[1], -wind[0])) % 360
-    _text(axes, (right[0], right[1] - 24), f"wind {comes_from:03.0f}°, {speed:.0f} m/s", style.BLUE)
+    _arrow(axes, right, (along, -beside), f"wind {comes_from:03.0f}°, {speed:.0f} m/s", style.BLUE)
 
 
-def _arrow(axes: Any, centre: tuple[float, float], direction: tuple[float, float], colour: str) -> None:
-    """An arrow of 32 points about ``centre`` (points from the lower left corner of the axes)."""
+def _arrow(axes: Any, centre: tuple[float, float], direction: tuple[float, float], text: str, colour: str) -> None:
+    """An arrow of 32 points about ``centre`` (points from the lower left corner of the axes), its name below."""
     dx, dy = 16 * direction[0], 16 * direction[1]
     axes.annotate(
         "", (centre[0] + dx, centre[1] + dy), (centre[0] - dx, centre[1] - dy), xycoords="axes points",
         textcoords="axes points", arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.5},
     )  # fmt: skip
+    _text(axes, (centre[0], centre[1] - 9 - abs(dy)), text, colour)
 
 
 def _text(axes: Any, place: tuple[float, float], text: str, colour: str) -> None:

@@ -12,7 +12,7 @@ from sim import catalogue
 from sim.flight import Flight
 from sim.parameters import dump
 from sim.reporting import style
-from sim.reporting.histories import bank_history, error_history, final_errors, speed_history
+from sim.reporting.histories import airframe_history, bank_history, error_history, final_errors, speed_history
 from sim.reporting.phase_portrait import phase_portrait
 from sim.reporting.plan_view import plan_view
 from sim.reporting.quantities import ABSENT, decimals, number, split, unit, words
@@ -21,6 +21,7 @@ from sim.reporting.sources import sources
 from sim.reporting.tracker_tables import tracker_tables
 from sim.reporting.vertical_profile import touchdown_view, vertical_profile
 from sim.signals import SIGNALS
+from sim.tables import Check
 from sim.toml import dumps
 
 MOST_EVENTS = 60
@@ -54,9 +55,9 @@ def write(
     tracks : name -> summary of a tracker, as in metrics.json under "trackers"; None = no trackers ran
     """
     page = _template().render(
-        **_first_screen(scenario, metrics),
+        **_first_screen(scenario, flight, metrics),
         charts=charts(flight, scenario, law),
-        checks=[_check_row(check) for check in metrics.get("checks", [])],
+        checks=[_check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
         events=_event_rows(flight),
         outcome=words(metrics["flight"]["outcome"]),
         reason=metrics["flight"].get("reason", ""),
@@ -104,7 +105,7 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
             add(
                 "Flare and touchdown",
                 touchdown,
-                "Height of the aircraft's reference point, which rests above the ground on its wheels.",
+                "Height of the aircraft's reference point; it stays above the ground when the wheels touch.",
             )
         add(
             "Bank and its limits",
@@ -124,6 +125,13 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
             speed_history(flight),
             "True airspeed against its schedule; flaps and gear as they moved.",
         )
+        airframe = airframe_history(flight)
+        if airframe is not None:
+            add(
+                "Airframe",
+                airframe,
+                "Attitude, path and controls of the six-degree-of-freedom aircraft; controls as shares of their travel.",
+            )
         add(
             "Deviations",
             error_history(flight, scenario.runway),
@@ -131,19 +139,24 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
         )
         last = final_errors(flight, scenario.runway)
         if last is not None:
-            add(f"Deviations on {last[1]}", last[0], "The last stretch enlarged; the aircraft flies to the right.")
+            add(
+                last[0],
+                last[1],
+                "The last stretch enlarged; the aircraft flies to the right. Scaled to what follows the capture.",
+            )
     return drawn
 
 
-def _first_screen(scenario: Any, metrics: dict[str, Any]) -> dict[str, Any]:
+def _first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any]) -> dict[str, Any]:
     checks = metrics.get("checks", [])
     failed = [_check_name(check) for check in checks if check["passed"] is False]
     return {
         "name": scenario.name,
         "subtitle": _subtitle(scenario, metrics),
-        "sentence": what_happened(metrics["flight"], checks),
+        "sentence": what_happened(flight, metrics["flight"], checks),
         "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed"),
         "failed": failed,
+        "warnings": metrics.get("warnings", []),
         "key_figures": _key_figures(metrics["flight"]),
     }
 
@@ -182,6 +195,7 @@ KEY_FIGURES = (
     ("touchdown.sink_mps", "sink at touchdown"),
     ("touchdown.crab_deg", "crab at touchdown"),
 )
+TENTHS = ("duration_s", "time_saturated_s", "settling_s")
 
 
 def _key_figures(flight: dict[str, Any]) -> list[tuple[str, str, str]]:
@@ -192,24 +206,23 @@ def _key_figures(flight: dict[str, Any]) -> list[tuple[str, str, str]]:
         for part in key.split("."):
             value = value.get(part) if isinstance(value, dict) else None
         if value is not None:
-            places = 1 if key in ("duration_s", "time_saturated_s", "settling_s") else None
+            places = 1 if key in TENTHS else min(decimals(value), 2)
             shown.append((label, number(float(value), places), split(key)[1]))
     return shown
 
 
-def _check_row(check: dict[str, Any]) -> dict[str, Any]:
+def _check_row(asked: Check, check: dict[str, Any]) -> dict[str, Any]:
     """A check as text; value, limit and margin with the same decimals, enough to tell value and limit apart."""
     value, limit, margin = check["value"], check["limit"], check["margin"]
     places = decimals(value, limit)
     while margin and abs(margin) < 0.5 * 10**-places and places < 6:
         places += 1
     during = check["during"] if isinstance(check["during"], str) else ", ".join(check["during"])
-    least = value is not None and margin is not None and abs(value - limit - margin) < abs(limit - value - margin)
     return {
         "name": _check_name(check),
         "when": (words(during) if during != "all" else "whole flight") if check["metric"] in SIGNALS else ABSENT,
         "how": _statistic(check["statistic"], check["for_s"]) if check["metric"] in SIGNALS else "once",
-        "limit": f"{'≥' if least else '≤'} {number(float(limit), places)}",
+        "limit": _limits(asked, places),
         "value": number(None if value is None else float(value), places),
         "margin": number(None if margin is None else float(margin), places),
         "unit": unit(check["unit"]),
@@ -217,6 +230,14 @@ def _check_row(check: dict[str, Any]) -> dict[str, Any]:
         "passed": check["passed"],
         "source": check["source"] or ABSENT,
     }
+
+
+def _limits(asked: Check, places: int) -> str:
+    """What was allowed, as a relation or a range."""
+    low, high = (None if bound is None else number(float(bound), places) for bound in (asked.min, asked.max))
+    if low is not None and high is not None:
+        return f"{low} … {high}"
+    return f"≤ {high}" if low is None else f"≥ {low}"
 
 
 def _check_name(check: dict[str, Any]) -> str:
@@ -255,7 +276,7 @@ def _scalar_rows(figures: dict[str, Any], prefix: str = "") -> list[tuple[str, s
     for key, value in figures.items():
         if isinstance(value, dict):
             rows += _scalar_rows(value, f"{prefix}{words(key)}: ")
-        elif not isinstance(value, str):
+        elif not isinstance(value, str) and key != "landed":  # the outcome says it
             name, suffix = split(key)
             rows.append((prefix + name, number(value), suffix if value is not None else ""))
     return rows

@@ -66,21 +66,21 @@ def _law(tracker: dict[str, Any]) -> str:
 
 def _consistency(trackers: dict[str, dict[str, Any]]) -> Table:
     """Whether the trackers know how good they are, and whether they kept the target."""
-    band = [_interval({"low": t.get("anees_low"), "high": t.get("anees_high")}, "0.00") for t in trackers.values()]
+    interval = [_interval({"low": t.get("anees_low"), "high": t.get("anees_high")}, "0.00") for t in trackers.values()]
     rows = [
         [
             who,
             words(str(t.get("kind", ""))),
             number(_real(t.get("anees")), 2),
-            band[i],
+            interval[i],
             number(_real(t.get("anis")), 2),
             _percent(t.get("lost_fraction")),
         ]
         for i, (who, t) in enumerate(trackers.items())
     ]
-    header = ["tracker", "kind", "ANEES", "band of a consistent tracker", "ANIS", "lost, %"]
+    header = ["tracker", "kind", "ANEES", "interval", "ANIS", "lost, %"]
     return Table(
-        "Consistency: 1 where the stated covariance is the real one; above it the tracker is too sure of itself",
+        "Consistency: 1 where errors are as large as the tracker says, above 1 where it is too sure of itself",
         header,
         rows,
         2,
