@@ -135,12 +135,11 @@ def final_errors(flight: Flight, runway: Runway) -> tuple[str, Any] | None:
     The stretch is the glide path down to the ground, else the final leg; None where neither was flown. The scale is
     that of the time after the capture, which may leave the frame.
     """
-    for title, phases in STRETCHES.items():
-        among = flight.during(phases)
-        if among.sum() > 1:
-            break
-    else:
+    flown = {title: flight.during(phases) for title, phases in STRETCHES.items()}
+    title = next((title for title, among in flown.items() if among.sum() > 1), None)
+    if title is None:
         return None
+    among = flown[title]
     to_go = flight.deviation.distance_to_go * 1e-3
     captured = among & (flight.time >= flight.time[among][0] + GLIDE_CAPTURE)
     figure, panels = style.panels(1.25, 1.25)

@@ -130,7 +130,7 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
             add(
                 "Airframe",
                 airframe,
-                "Attitude, path and controls of the six-degree-of-freedom aircraft; controls as shares of their travel.",
+                "Attitude, path and controls of the six-degree-of-freedom aircraft.",
             )
         add(
             "Deviations",
