@@ -23,7 +23,8 @@ def made(time, phase, route=None, **signals):
     route = route or Route((Leg((-50000.0, 0.0), (300.0, 0.0), 70.0, 400.0),))
     index = np.array([PHASES.index(name) for name in phase])
     events = (Event(0.0, phase[0]),)
-    return Flight(route, AircraftState(**columns), Command(**commands), np.zeros(k, int), index, PHASES, events, "completed", "")
+    state, command = AircraftState(**columns), Command(**commands)
+    return Flight(route, state, command, np.zeros(k, int), index, PHASES, events, "completed", "")
 
 
 @pytest.fixture

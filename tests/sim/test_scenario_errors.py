@@ -121,16 +121,22 @@ def test_units_become_si_and_radians():
 
 
 def test_the_resolved_file_reads_back_as_the_same_scenario():
-    first = read({**GOOD, "wind": {"speed_kt": 10, "from_deg": 200.1}, "sensors": {"r": {"kind": "surveillance_radar"}}})
+    first = read(
+        {**GOOD, "wind": {"speed_kt": 10, "from_deg": 200.1}, "sensors": {"r": {"kind": "surveillance_radar"}}}
+    )
     assert read(first.tables) == first
 
 
 scalars = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8))
-values = st.recursive(scalars, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3))
+values = st.recursive(
+    scalars, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3)
+)
 
 
 @given(
-    table=st.sampled_from(["runway", "aircraft", "start", "route", "autopilot", "wind", "sensors", "trackers", "checks"]),
+    table=st.sampled_from(
+        ["runway", "aircraft", "start", "route", "autopilot", "wind", "sensors", "trackers", "checks"]
+    ),
     content=values,
 )
 def test_any_content_is_read_or_answered(table, content):
