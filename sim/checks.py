@@ -73,7 +73,7 @@ def _result(
         "limit": limit,
         "value": value,
         "unit": unit,
-        "margin": margin,
+        "margin": None if margin is None else margin + 0.0,  # no minus zero
         "time_s": time,
         "passed": None if margin is None else margin >= 0,
         "source": check.source,

@@ -183,9 +183,9 @@ def test_a_run_folder_may_be_written_again(command, scenario, tmp_path):
 
 
 def test_nothing_is_written_outside_the_folder(command, scenario, tmp_path):
-    before = {path for path in tmp_path.rglob("*")}
+    before = set(tmp_path.rglob("*"))
     assert command("run", scenario, "-o", tmp_path / "o").returncode == 0
-    after = {path for path in tmp_path.rglob("*")}
+    after = set(tmp_path.rglob("*"))
     assert all(tmp_path / "o" in (path, *path.parents) for path in after - before)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 
 import pytest
@@ -139,8 +140,6 @@ values = st.recursive(
     ),
     content=values,
 )
-def test_any_content_is_read_or_answered(table, content):
-    try:
+def test_any_content_is_read_or_answered_by_a_scenario_error(table, content):
+    with contextlib.suppress(ScenarioError):  # anything else that escapes fails
         read({**GOOD, table: content})
-    except ScenarioError as error:
-        assert str(error)

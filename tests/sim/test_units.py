@@ -27,7 +27,7 @@ def test_factors_are_the_defined_ones(suffix, si):
 
 def test_the_preferred_spelling_comes_first():
     assert preferred("speed", "m/s")[0] == "speed_mps"
-    assert list(spellings("angle", "rad"))[0] == "angle_deg"
+    assert next(iter(spellings("angle", "rad"))) == "angle_deg"
 
 
 def test_an_unknown_unit_is_refused():
