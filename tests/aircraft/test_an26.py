@@ -1,0 +1,271 @@
+"""Judges of the An-26: its geometry by closed forms, the independent An-24 set, published speeds, and Newton's trim."""
+
+import math
+import tomllib
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from aircraft import handbook, model_files
+from aircraft.airframe import load
+from aircraft.data import AircraftData, data
+from aircraft.linearise import linearise
+from aircraft.minimum_speed import minimum_speed
+from aircraft.model_files import ModelError
+from aircraft.models.an26 import build
+from aircraft.modes import flying_qualities
+from aircraft.properties import MASS
+from aircraft.trim import trim
+
+
+def test_the_committed_model_is_what_its_geometry_gives():
+    assert (model_files.OWN_MODELS / "an26" / "an26.xml").read_text(encoding="utf-8") == build.build()
+
+
+def test_every_starting_number_says_where_it_is_from():
+    for name, fact in build.FACTS.items():
+        assert fact.source.startswith(("public", "formula", "memory", "cross-check", "chosen")), name
+    for source in dict(data("an26").sources).values():
+        assert source.startswith(("public", "formula", "memory", "cross-check", "chosen"))
+
+
+@pytest.mark.parametrize("path", sorted(model_files.OWN_MODELS.glob("*/*.toml")), ids=lambda path: path.stem)
+def test_data_files_hold_no_gains(path):
+    names = {field.lower() for field in _keys(tomllib.loads(path.read_text(encoding="utf-8")))}
+    assert not {name for name in names if any(word in name for word in ("gain", "k1", "k2", "weight", "bandwidth"))}
+
+
+def _keys(table):
+    for key, value in table.items():
+        yield key
+        for inner in value if isinstance(value, list) else [value]:
+            if isinstance(inner, dict):
+                yield from _keys(inner)
+
+
+CROSS_CHECK = {  # an independent set for the An-24 (same wing, smaller tail); read as a cross-check only
+    "CLa": (5.1, 6.2),
+    "CYb": (-0.72, -0.72),
+    "Clb": (-0.072, -0.072),
+    "Clp": (-0.50, -0.50),
+    "Cnb": (0.103, 0.103),
+    "Cnr": (-0.15, -0.15),
+    "Clda": (0.15, 0.15),
+    "Cndr": (-0.112, -0.112),
+}
+
+
+@pytest.mark.parametrize("name", CROSS_CHECK)
+def test_derivatives_agree_with_the_an24_within_the_handbooks_accuracy(name):
+    low, high = sorted(abs(value) for value in CROSS_CHECK[name])
+    value = build.derivatives()[name]
+    assert math.copysign(1.0, value) == math.copysign(1.0, CROSS_CHECK[name][0])
+    assert low / 1.55 < abs(value) < high * 1.55  # strip theory and a bigger fin: at most 55 % away
+
+
+@pytest.mark.parametrize(("name", "wanted"), [("CLa", 6.28), ("Cma", -1.63), ("Cmq", -45.0), ("Cmde", -2.2)])
+def test_pitch_derivatives_agree_with_a_second_handbook_estimate(name, wanted):
+    assert build.derivatives()[name] == pytest.approx(wanted, rel=0.2)
+
+
+def test_closed_forms_at_their_limits():
+    assert handbook.lift_curve_slope(1e9, 0.0, 0.0) == pytest.approx(2.0 * math.pi, rel=1e-6)  # thin aerofoil
+    assert handbook.lift_curve_slope(1e-6, 0.0, 0.0) == pytest.approx(math.pi * 1e-6 / 2.0, rel=1e-6)  # slender wing
+    assert handbook.flap_effectiveness(1.0, 1.0) == pytest.approx(1.0)  # all-moving surface
+    assert handbook.flap_effectiveness(0.0, 1.0) == 0.0
+    assert handbook.ground_effect_on_induced_drag(1e6) == pytest.approx(1.0)
+    assert handbook.ground_effect_on_lift(1e6, 11.0) == pytest.approx(1.0)
+    assert handbook.ground_effect_on_lift(0.1, 11.0) > 1.02
+    # static thrust of an ideal propeller: T^3 = 2 rho A P^2
+    area = math.pi / 4.0 * 3.9**2
+    assert handbook.propeller_thrust(1e6, 0.0, 0.0, 3.9) == pytest.approx((2.0 * 1.225 * area * 1e12) ** (1 / 3))
+    # at high speed the slipstream is slow: T V = P
+    assert handbook.propeller_thrust(1e6, 300.0, 0.0, 3.9) * 300.0 == pytest.approx(1e6, rel=0.01)
+
+
+@pytest.mark.parametrize(("speed", "wanted"), [(58.0, 24.5e3), (72.0, 21.5e3), (100.0, 16.9e3)])
+def test_thrust_agrees_with_blade_elements(speed, wanted):
+    power = 2660.0 * 745.7
+    loss = build.propeller_loss(speed, power)
+    assert handbook.propeller_thrust(power, speed, loss, 3.9) == pytest.approx(wanted, rel=0.05)
+
+
+def test_the_flying_model_has_the_thrust_of_its_table():
+    """Level acceleration at full and at idle power differ by the thrust of two propellers over the mass."""
+    airframe = load("an26")
+    steady = trim(airframe, 72.0, height=10.0, flaps=math.radians(15.0))
+    force = []
+    for throttle in (0.0, 1.0):
+        state = airframe.begin(steady.initial._replace(controls=steady.controls._replace(throttle=throttle)))
+        force.append(state.specific_force_forward * 20000.0)
+    wanted = [
+        2.0 * handbook.propeller_thrust(power, 72.0, build.propeller_loss(72.0, power), 3.9)
+        for power in (200e3, 2103e3)
+    ]
+    assert force[1] - force[0] == pytest.approx(wanted[1] - wanted[0], rel=0.02)  # interpolated in a table of 14 powers
+
+
+def test_stall_speeds_are_those_of_the_published_polar():
+    facts = data("an26")
+    for setting in facts.flap_settings:
+        top = build.POLAR[round(math.degrees(setting.flaps), 1)][1]
+        wanted = math.sqrt(2.0 * 20000.0 * 9.80665 / (1.225 * build.fact("area") * top))
+        assert setting.stall_speed == pytest.approx(wanted, abs=0.06)
+    assert facts.stall_speed(math.radians(38.0), 24000.0) == pytest.approx(45.2, abs=0.1)
+
+
+def test_lift_is_smooth_up_to_the_published_maximum():
+    slope = build.derivatives()["CLa"]
+    for flaps, (at_zero, top, alpha_top) in build.POLAR.items():
+        angles = np.radians(np.linspace(-5.0, 30.0, 3501))
+        lift = np.array([build.lift_coefficient(angle, flaps, slope) for angle in angles])
+        assert lift.max() == pytest.approx(top, abs=1e-6)
+        assert math.degrees(angles[lift.argmax()]) == pytest.approx(alpha_top, abs=0.02)
+        assert build.lift_coefficient(0.0, flaps, slope) == at_zero
+        rising = np.diff(lift[: lift.argmax()])
+        assert rising.min() > 0.0
+        assert rising.max() < 1.001 * slope * (angles[1] - angles[0])
+        assert np.diff(rising).max() < 1e-9  # the slope only falls
+        beyond = build.lift_coefficient(math.radians(alpha_top + 10.0), flaps, slope)
+        assert 0.6 * top < beyond < 0.9 * top
+
+
+TRIMS = [
+    # m/s, flaps deg, gear, path deg
+    (72.0, 15.0, 0.0, 0.0),
+    (69.0, 15.0, 0.0, 0.0),
+    (58.0, 38.0, 1.0, 0.0),
+    (58.0, 38.0, 1.0, -8.0 / 3.0),
+    (58.0, 38.0, 1.0, -3.0),
+]
+
+
+@pytest.mark.parametrize(("airspeed", "flaps", "gear", "path"), TRIMS)
+@pytest.mark.parametrize(("mass", "centre"), [(20000.0, 0.24), (24000.0, 0.15), (16500.0, 0.33)])
+def test_it_trims_at_every_speed_of_the_schedule(airspeed, flaps, gear, path, mass, centre):
+    airframe = load("an26", mass, centre)
+    steady = trim(airframe, airspeed, math.radians(path), 600.0, math.radians(flaps), gear)
+    assert steady.residual < 1e-6
+    # lift = weight gives the angle of attack up to the tail's load and the thrust's lift, 3 deg together
+    pressure = 0.5 * 1.225 * 0.9437 * airspeed**2
+    lift = mass * 9.80665 * math.cos(math.radians(path)) / (pressure * build.fact("area"))
+    alpha = (lift - build.POLAR[flaps][0]) / build.derivatives()["CLa"] - build.fact("incidence")
+    assert steady.initial.angle_of_attack == pytest.approx(alpha, abs=math.radians(3.0))
+    assert 0.0 < steady.controls.throttle < 1.0
+    assert abs(steady.controls.elevator) < 0.5
+
+
+@pytest.mark.parametrize(("airspeed", "flaps", "gear", "path"), TRIMS)
+def test_it_flies_as_level_1_on_approach(airspeed, flaps, gear, path):
+    airframe = load("an26")
+    steady = trim(airframe, airspeed, math.radians(path), 300.0, math.radians(flaps), gear)
+    verdicts = flying_qualities(linearise(airframe, steady))
+    assert {verdict.level for verdict in verdicts} == {1}
+
+
+def test_minimum_speed_is_near_the_published_one():
+    """A build check, not a validation: the published polar shaped the lift table. 41 m/s at 20 t, flaps 38 deg."""
+    found = minimum_speed(lambda: load("an26", 20000.0), math.radians(38.0))
+    assert found.flown == pytest.approx(41.0, rel=0.03)
+    assert found.trimmed == pytest.approx(41.0, rel=0.03)
+
+
+def inertia(airframe):
+    executive = airframe._executive
+    return [executive[f"inertia/i{axis}{axis}-slugs_ft2"] * 1.3558179483 for axis in "xyz"]
+
+
+def test_mass_and_centre_of_gravity_are_what_was_asked():
+    light, heavy = load("an26", 18000.0, 0.20), load("an26", 24000.0, 0.30)
+    assert light.mass == pytest.approx(18000.0, rel=1e-7)  # JSBSim's pounds
+    assert heavy.mass == pytest.approx(24000.0, rel=1e-7)
+    for airframe, centre in ((light, 0.20), (heavy, 0.30)):
+        assert airframe._executive["inertia/cg-x-in"] * 0.0254 == pytest.approx(8.97 + centre * 2.813, abs=1e-6)
+    assert np.array(inertia(heavy)) / np.array(inertia(light)) == pytest.approx([24.0 / 18.0] * 3, rel=1e-6)
+    # Raymer's radii at 20 t
+    assert inertia(load("an26")) == pytest.approx([2.46e5, 3.27e5, 5.34e5], rel=0.01)
+
+
+def test_a_stock_aircraft_takes_a_mass_around_its_fuel():
+    assert load("c172x", 1000.0).mass == pytest.approx(1000.0, rel=1e-6)
+    assert MASS.factor == pytest.approx(14.5939, rel=1e-5)
+    with pytest.raises(ModelError, match="fuel and fixed loads"):
+        load("c172x", 50.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"mass": -1.0}, "between 16000 and 24000 kg"),
+        ({"mass": 30000.0}, "between 16000 and 24000 kg"),
+        ({"mass": math.nan}, "between 16000 and 24000 kg"),
+        ({"centre_of_gravity_mac": 0.9}, "between 0.15 and 0.33"),
+        ({"factors": {"lift": 1.0}}, "no factor 'lift'"),
+        ({"factors": {"drag": -1.0}}, "between 0 and 100"),
+    ],
+)
+def test_an_impossible_loading_gets_one_sentence(arguments, message):
+    with pytest.raises(ModelError, match=message):
+        load("an26", **arguments)
+
+
+def test_a_stock_aircraft_without_a_chord_keeps_its_centre_of_gravity():
+    with pytest.raises(ModelError, match="no mean aerodynamic chord"):
+        load("c172x", centre_of_gravity_mac=0.25)
+
+
+FACTOR_EFFECTS = {  # factor: the entry of the linear model that it must scale, (state, state or input)
+    "lift_slope": ("angle_of_attack", "angle_of_attack"),
+    "pitch_stiffness": ("pitch_rate", "angle_of_attack"),
+    "pitch_damping": ("pitch_rate", "pitch_rate"),
+    "yaw_stiffness": ("yaw_rate", "sideslip"),
+    "yaw_damping": ("yaw_rate", "yaw_rate"),
+    "dihedral": ("roll_rate", "sideslip"),
+    "roll_damping": ("roll_rate", "roll_rate"),
+    "elevator_power": ("pitch_rate", "elevator"),
+    "aileron_power": ("roll_rate", "aileron"),
+    "rudder_power": ("yaw_rate", "rudder"),
+}
+
+
+def entry(row, column, **factors):
+    airframe = load("an26", factors=factors)
+    linear = linearise(airframe, trim(airframe, 72.0, flaps=math.radians(15.0)))
+    values, columns = (linear.B, linear.inputs) if column in linear.inputs else (linear.A, linear.states)
+    return values[linear.states.index(row), columns.index(column)]
+
+
+@pytest.mark.parametrize("name", FACTOR_EFFECTS)
+def test_a_factor_scales_its_derivative(name):
+    row, column = FACTOR_EFFECTS[name]
+    ratio = entry(row, column, **{name: 1.2}) / entry(row, column)
+    assert ratio == pytest.approx(1.2, abs=0.06)  # next to the scaled term stand drag, arms and rates: 6 % of it
+
+
+def test_the_factor_of_drag_takes_power():
+    def power(**factors):
+        return trim(load("an26", factors=factors), 72.0, flaps=math.radians(15.0)).controls.throttle
+
+    assert power(drag=1.2) > power() + 0.03
+    assert set(data("an26").factors) == {*FACTOR_EFFECTS, "drag"}
+
+
+def test_placards_and_settings_go_together():
+    settings = data("an26").flap_settings
+    assert [round(math.degrees(setting.flaps)) for setting in settings] == [0, 15, 38]
+    for slower, faster in pairwise(reversed(settings)):
+        assert slower.placard_speed < faster.placard_speed
+        assert slower.stall_speed < faster.stall_speed
+
+
+def test_data_of_an_unknown_key_or_unit_are_refused(tmp_path):
+    home = tmp_path / "mine"
+    home.mkdir()
+    (home / "mine.xml").write_text((model_files.OWN_MODELS / "an26" / "an26.xml").read_text())
+    for text, message in (("title='x'\nspan_m=1.0", "span_m"), ("mass_max_m=1.0", "mass_max_m"), ("a=[", "cannot be")):
+        (home / "mine.toml").write_text(text)
+        with pytest.raises(ModelError, match=message):
+            data(home)
+    (home / "mine.toml").write_text('title = "Mine"\nwheel_track_ft = 10.0')
+    assert data(home) == AircraftData(title="Mine", wheel_track=pytest.approx(3.048))
