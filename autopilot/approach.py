@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Annotated, Any, NamedTuple
 
-from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
+from aircraft.state import AircraftState, Command
+from autopilot.landing import Landing
 from autopilot.route import PathDeviation, Route
-from autopilot.stabilised_gate import FRESH, GateState, StabilisedGate
+from autopilot.saturation import rate_limit, saturate
+from autopilot.stabilised_gate import FRESH, GateState
 
 PHASES = ("intercept", "downwind", "base_turn", "base", "final_turn", "final", "glide", "flare", "ground", "go_around")
 INTERCEPT, DOWNWIND, BASE_TURN, BASE, FINAL_TURN, FINAL, GLIDE, FLARE, GROUND, GO_AROUND = range(len(PHASES))
 
 LEG_PHASE = (FINAL, BASE)  # of the last leg and the last but one; all before are downwind
 TURN_PHASE = (FINAL_TURN, BASE_TURN)  # onto them; onto all before: intercept
+TURNING = (INTERCEPT, BASE_TURN, FINAL_TURN)
+FROM_HERE = (FLARE, GO_AROUND)  # phases whose path begins where the aircraft is
 ESTABLISHED_TRACK = math.radians(5.0)  # a turn or an intercept is over within this of the course
 ESTABLISHED_CROSS_TRACK = 100.0  # m
 SPEED_SETTLING = 4.0  # s, by which a new speed is ordered earlier than its ramp needs
+SETTLED = 1e-3  # m and m/s: a change of height is over
 
 
 class ApproachState(NamedTuple):
@@ -34,56 +40,6 @@ class ApproachState(NamedTuple):
     gate: GateState
     lowest: float  # m, since the go-around began
     finished: str  # "completed" behind the last leg, "go_around" once the height is regained, else ""
-
-
-@dataclass(frozen=True)
-class Landing:
-    """From the glide path to the ground."""
-
-    approach_speed: Annotated[float, "m/s"] = 58.0
-    flaps: Annotated[float, "rad"] = math.radians(38.0)
-    glide_path: Annotated[float, "rad"] = math.radians(2.0 + 40.0 / 60.0)
-    capture_load_factor: float = 0.05  # taken off while the path bends down onto the glide path
-    capture_cross_track: Annotated[float, "m"] = 130.0  # half scale: no descent outside it
-    flare_time: Annotated[float, "s"] = 3.2  # time constant of the exponential
-    touchdown_sink: Annotated[float, "m/s"] = 0.4
-    flare_deceleration: Annotated[float, "m/s2"] = 1.0
-    align_height: Annotated[float, "m"] = 14.0  # of the wheels, where the de-crab begins
-    align_time: Annotated[float, "s"] = 3.0
-    sideslip_limit: Annotated[float, "rad"] = math.radians(8.0)
-    climb_angle: Annotated[float, "rad"] = math.radians(3.0)  # of the go-around
-    regained_height: Annotated[float, "m"] = 100.0  # after which the go-around is over
-    wheel_height: Annotated[float, "given"] = 0.0  # m, height of the aircraft's position with the wheels on the ground
-    sideslip_bank: Annotated[float, "given"] = 0.0  # bank per sideslip that keeps the track straight
-    gate: Annotated[StabilisedGate, "given"] = field(default_factory=StabilisedGate)
-
-    def __post_init__(self) -> None:
-        for name in ("approach_speed", "glide_path", "capture_load_factor", "capture_cross_track", "flare_time"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} of the landing must be positive, not {getattr(self, name)}")
-        for name in ("touchdown_sink", "align_time", "climb_angle"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} of the landing must be positive, not {getattr(self, name)}")
-        if self.glide_path > math.radians(10.0):
-            raise ValueError(f"a glide path of {math.degrees(self.glide_path):.1f} deg is too steep: at most 10 deg")
-
-    def path(self, distance: float, level: float, bend: float) -> tuple[float, float]:
-        """Height (m) and slope of the path ``distance`` (m) before the aiming point, from level flight at ``level``.
-
-        A parabola of constant vertical acceleration joins the level leg and the glide path, so neither the height nor
-        its rate jumps and the pitch-over begins before the glide path is reached.
-        """
-        slope = math.tan(self.glide_path)
-        into = level / slope + 0.5 * bend - distance  # m flown since the bend began
-        if into <= 0.0:
-            return level, 0.0
-        if into >= bend:
-            return distance * slope, -slope
-        return level - slope * into * into / (2.0 * bend), -slope * into / bend
-
-    def bend(self, ground_speed: float) -> float:
-        """Length of the parabola, m, that takes ``capture_load_factor`` off."""
-        return ground_speed * ground_speed * math.tan(self.glide_path) / (self.capture_load_factor * STANDARD_GRAVITY)
 
 
 @dataclass(frozen=True)
@@ -109,7 +65,7 @@ class Approach:
     )  # m to go, where turns are first thought of
     _slow: tuple[float, ...] = field(init=False, repr=False, compare=False)  # m to go, where the next speed is ordered
     _bend: float = field(init=False, repr=False, compare=False)  # m, of the path onto the glide path
-    _glide_entry: float = field(init=False, repr=False, compare=False)  # m to go, where it begins
+    _glide_entry: float = field(init=False, repr=False, compare=False)  # m to go on the last leg, where it begins
 
     def __post_init__(self) -> None:
         for name in ("roll_rate_limit", "deceleration", "height_time", "level_acceleration", "level_change_angle"):
@@ -121,7 +77,7 @@ class Approach:
             ground_speed = min(leg.speed for leg in route.legs) - math.hypot(*route.wind)
             law.check_convergence(ground_speed, turns=len(route.legs) > 1)
         reach, slow = [], []
-        for number, (leg, following) in enumerate(zip(route.legs, route.legs[1:], strict=False)):
+        for number, (leg, following) in enumerate(pairwise(route.legs)):
             reach.append(1.3 * route.turn(number, 1.1 * max(leg.speed, following.speed), law.bank_limit).entry + 500.0)
             ramp = max(leg.speed - following.speed, 0.0) / self.deceleration
             ahead = ramp + SPEED_SETTLING if ramp > 0.0 else 0.0
@@ -132,7 +88,7 @@ class Approach:
         last, entry, bend = route.legs[-1], -math.inf, 0.0
         if self.landing is not None:
             bend = self.landing.bend(route.ground_speed(len(route.legs) - 1, last.speed))
-            entry = last.height / math.tan(self.landing.glide_path) + 0.5 * bend
+            entry = last.height / self.landing.slope + 0.5 * bend
         object.__setattr__(self, "_bend", bend)
         object.__setattr__(self, "_glide_entry", entry)
 
@@ -141,11 +97,10 @@ class Approach:
         if not 0 <= leg < len(self.route.legs):
             raise ValueError(f"the route has the legs 0 to {len(self.route.legs) - 1}, not {leg}")
         deviation = self.deviation(leg, state)
-        phase = self._leg_phase(leg) if _established(deviation) else INTERCEPT
-        bank = math.remainder(float(state.bank), math.tau)
-        return ApproachState(
-            phase, leg, bank, state.airspeed, state.height, 0.0, deviation.heading_error, 0.0, FRESH, state.height, ""
-        )
+        phase = _phase_of(leg, self.route, LEG_PHASE, DOWNWIND) if _established(deviation) else INTERCEPT
+        bank = math.remainder(state.bank, math.tau)
+        crab = deviation.heading_error
+        return ApproachState(phase, leg, bank, state.airspeed, state.height, 0.0, crab, 0.0, FRESH, state.height, "")
 
     def deviation(self, leg: int, state: AircraftState) -> PathDeviation:
         """Deviation of an aircraft from a leg."""
@@ -155,112 +110,142 @@ class Approach:
 
     def step(self, s: ApproachState, state: AircraftState, dt: float) -> tuple[ApproachState, Command]:
         """Command for the next ``dt`` seconds from what the aircraft does now."""
-        phase, leg, bank, airspeed, height, climb_rate, crab, aligned, gate, lowest, finished = s
-        route, law, landing = self.route, self.law, self.landing
-        velocity_north, velocity_east = state.velocity_north, state.velocity_east
-        position, velocity = (state.north, state.east), (velocity_north, velocity_east)
-        deviation = route.deviation(leg, position, velocity, state.heading)
-        to_go = deviation.distance_to_go
-        if to_go < self._reach[leg]:
-            following = route.sequence(leg, position, velocity, law.bank_limit)
-            if following != leg:
-                leg, phase = following, self._turn_phase(following)
-                deviation = route.deviation(leg, position, velocity, state.heading)
-                to_go = deviation.distance_to_go
-        if (phase in (INTERCEPT, BASE_TURN, FINAL_TURN)) and _established(deviation):
-            phase = self._leg_phase(leg)
+        phase, leg, gate, lowest, finished = s.phase, s.leg, s.gate, s.lowest, s.finished
+        deviation = self.deviation(leg, state)
+        if deviation.distance_to_go < self._reach[leg]:
+            leg, phase, deviation = self._sequenced(leg, phase, deviation, state)
+        if phase in TURNING and _established(deviation):
+            phase = _phase_of(leg, self.route, LEG_PHASE, DOWNWIND)
+        if leg == len(self.route.legs) - 1:
+            if self.landing is not None:
+                phase, gate, lowest, finished = self._landing_phase(self.landing, s, phase, state, deviation, dt)
+            elif deviation.distance_to_go < 0.0:
+                finished = "completed"
 
-        if landing is None and to_go < 0.0 and leg == len(route.legs) - 1:
-            finished = "completed"
-        leg_now = route.legs[leg]
-        level = leg_now.height
-        if phase <= FINAL:
-            speed = route.legs[leg + 1].speed if to_go < self._slow[leg] else leg_now.speed
-            flaps, gear = self.flaps, self.gear
-            deceleration = self.deceleration
-            if to_go < self._glide_entry and leg == len(route.legs) - 1:
-                near = landing is not None and abs(deviation.cross_track) < landing.capture_cross_track
-                phase = GLIDE if near and phase == FINAL else GO_AROUND
-        if phase > FINAL:
-            assert landing is not None
-            flaps, gear, speed, deceleration = landing.flaps, 1.0, landing.approach_speed, self.deceleration
-            ground_speed = math.hypot(velocity_north, velocity_east)
-            if phase == GLIDE:
-                height, slope = landing.path(to_go, level, self._bend)
-                climb_rate = slope * ground_speed
-                wheels = state.height - landing.wheel_height
-                crab += (deviation.heading_error - crab) * min(dt / landing.align_time, 1.0) if aligned == 0.0 else 0.0
-                if wheels < landing.align_height:
-                    aligned = min(aligned + dt / landing.align_time, 1.0)
-                if climb_rate < 0.0 and wheels < landing.flare_time * (-climb_rate - landing.touchdown_sink):
-                    phase, height = FLARE, state.height
-                elif state.height < landing.gate.height:
-                    gate = landing.gate.step(
-                        gate,
-                        state.airspeed - landing.approach_speed,
-                        -state.velocity_up,
-                        state.height - height,
-                        deviation.cross_track,
-                        to_go,
-                        dt,
-                    )
-                    if landing.gate.missed(gate):
-                        phase, height, climb_rate = GO_AROUND, state.height, state.velocity_up
-            if phase == FLARE:
-                climb_rate = (landing.wheel_height - height) / landing.flare_time - landing.touchdown_sink
-                height += climb_rate * dt
-                aligned = min(aligned + dt / landing.align_time, 1.0)
-                speed, deceleration = 0.0, landing.flare_deceleration
-                if state.main_wheels > 0.0:
-                    phase = GROUND
-            if phase == GROUND:  # slow down, wings level, and down onto all wheels
-                climb_rate = -landing.touchdown_sink
-                height += climb_rate * dt
-                airspeed = min(airspeed, state.airspeed)
-                speed, deceleration = 0.0, landing.flare_deceleration
-            elif phase == GO_AROUND:
-                lowest = min(lowest, state.height)
-                if state.height > lowest + landing.regained_height:
-                    finished = "go_around"
-                flaps, gear, aligned = self.flaps, self.gear, 0.0
-                speed = max(landing.approach_speed, leg_now.speed)
-        if (phase <= FINAL or phase == GO_AROUND) and (climb_rate != 0.0 or height != level):
-            angle = self.level_change_angle if phase <= FINAL else landing.climb_angle  # type: ignore[union-attr]
-            most = airspeed * angle
-            wanted = (level - height) / self.height_time
-            wanted = most if wanted > most else -most if wanted < -most else wanted
-            change = self.level_acceleration * dt
-            climb_rate += change if wanted - climb_rate > change else max(wanted - climb_rate, -change)
-            height += climb_rate * dt
-            if abs(level - height) < 1e-3 and abs(climb_rate) < 1e-3:
-                height, climb_rate = level, 0.0
-
-        change = deceleration * dt
-        airspeed += change if speed - airspeed > change else max(speed - airspeed, -change)
-        wanted, sideslip = law(deviation), 0.0
-        if aligned > 0.0 and landing is not None:
-            most = landing.sideslip_limit
-            sideslip = aligned * (most if crab > most else -most if crab < -most else crab)
-            wanted = wanted + landing.sideslip_bank * sideslip if phase < GROUND else 0.0
-        change = self.roll_rate_limit * dt
-        bank += change if wanted - bank > change else max(wanted - bank, -change)
-        slope = math.atan2(climb_rate, math.hypot(velocity_north, velocity_east)) if climb_rate != 0.0 else 0.0
+        over_ground = math.hypot(state.velocity_north, state.velocity_east)
+        height, climb_rate = s.height, s.climb_rate
+        if phase != s.phase and phase in FROM_HERE:
+            height, climb_rate = state.height, state.velocity_up
+        height, climb_rate = self._path(
+            phase, leg, height, climb_rate, deviation.distance_to_go, over_ground, s.airspeed, dt
+        )
+        airspeed, flaps, gear = self._speed(phase, leg, deviation.distance_to_go, s.airspeed, state.airspeed, dt)
+        bank, sideslip, crab, aligned = self._bank(phase, s, state, deviation, dt)
+        slope = math.atan2(climb_rate, over_ground) if climb_rate != 0.0 else 0.0
         return (
             ApproachState(phase, leg, bank, airspeed, height, climb_rate, crab, aligned, gate, lowest, finished),
             Command(bank, slope, height, airspeed, flaps, gear, sideslip),
         )
 
-    def _leg_phase(self, leg: int) -> int:
-        from_end = len(self.route.legs) - 1 - leg
-        return LEG_PHASE[from_end] if from_end < len(LEG_PHASE) else DOWNWIND
+    def _sequenced(
+        self, leg: int, phase: int, deviation: PathDeviation, state: AircraftState
+    ) -> tuple[int, int, PathDeviation]:
+        """Leg, phase and deviation after the turn to the next leg, once it is due."""
+        position, velocity = (state.north, state.east), (state.velocity_north, state.velocity_east)
+        following = self.route.sequence(leg, position, velocity, self.law.bank_limit)
+        if following == leg:
+            return leg, phase, deviation
+        return following, _phase_of(following, self.route, TURN_PHASE, INTERCEPT), self.deviation(following, state)
 
-    def _turn_phase(self, leg: int) -> int:
-        from_end = len(self.route.legs) - 1 - leg
-        return TURN_PHASE[from_end] if from_end < len(TURN_PHASE) else INTERCEPT
+    def _landing_phase(
+        self, landing: Landing, s: ApproachState, phase: int, state: AircraftState, deviation: PathDeviation, dt: float
+    ) -> tuple[int, GateState, float, str]:
+        """Phase on the last leg, with what the gate and the go-around remember."""
+        gate = s.gate
+        if phase <= FINAL:
+            if deviation.distance_to_go < self._glide_entry:
+                near = abs(deviation.cross_track) < landing.capture_cross_track
+                phase = GLIDE if near and phase == FINAL else GO_AROUND
+            return phase, gate, state.height, s.finished
+        if phase == GLIDE:
+            if landing.flare_begins(state.height - landing.wheel_height, -s.climb_rate):
+                phase = FLARE
+            elif state.height < landing.gate.height:
+                errors = state.airspeed - landing.approach_speed, state.height - s.height
+                gate = landing.gate.step(
+                    gate, errors[0], -state.velocity_up, errors[1], deviation.cross_track, deviation.distance_to_go, dt
+                )
+                if landing.gate.missed(gate):
+                    phase = GO_AROUND
+            return phase, gate, state.height, s.finished
+        if phase == FLARE and state.main_wheels > 0.0:
+            return GROUND, gate, state.height, s.finished
+        if phase == GO_AROUND and state.height > s.lowest + landing.regained_height:
+            return phase, gate, s.lowest, "go_around"
+        return phase, gate, min(s.lowest, state.height), s.finished
+
+    def _path(
+        self,
+        phase: int,
+        leg: int,
+        height: float,
+        climb_rate: float,
+        distance: float,
+        over_ground: float,
+        airspeed: float,
+        dt: float,
+    ) -> tuple[float, float]:
+        """Height to hold, m, and its rate, m/s."""
+        level, landing = self.route.legs[leg].height, self.landing
+        if landing is None or phase <= FINAL or phase == GO_AROUND:
+            if climb_rate == 0.0 and height == level:
+                return height, climb_rate
+            angle = self.level_change_angle if landing is None or phase <= FINAL else landing.climb_angle
+            wanted = saturate((level - height) / self.height_time, airspeed * angle)
+            climb_rate = rate_limit(climb_rate, wanted, self.level_acceleration, dt)
+            height += climb_rate * dt
+            return (level, 0.0) if abs(level - height) < SETTLED and abs(climb_rate) < SETTLED else (height, climb_rate)
+        if phase == GLIDE:
+            height, slope = landing.path(distance, level, self._bend)
+            return height, slope * over_ground
+        sink = landing.flare_sink(height - landing.wheel_height) if phase == FLARE else landing.touchdown_sink
+        return height - sink * dt, -sink
+
+    def _speed(
+        self, phase: int, leg: int, distance: float, airspeed: float, flown: float, dt: float
+    ) -> tuple[float, float, float]:
+        """Airspeed, m/s, on its ramp, flaps and gear."""
+        landing, deceleration = self.landing, self.deceleration
+        flaps, gear = self.flaps, self.gear
+        wanted = self.route.legs[leg + 1 if distance < self._slow[leg] else leg].speed
+        if landing is not None and phase > FINAL:
+            if phase == GO_AROUND:
+                wanted = max(landing.approach_speed, wanted)
+            else:
+                flaps, gear, wanted = landing.flaps, 1.0, landing.approach_speed
+            if phase in (FLARE, GROUND):
+                wanted, deceleration = 0.0, landing.flare_deceleration
+            if phase == GROUND:
+                airspeed = min(airspeed, flown)  # what the wheels brake is not to be flown back by pitching up
+        return rate_limit(airspeed, wanted, deceleration, dt), flaps, gear
+
+    def _bank(
+        self, phase: int, s: ApproachState, state: AircraftState, deviation: PathDeviation, dt: float
+    ) -> tuple[float, float, float, float]:
+        """Bank and sideslip, rad, with the crab and the share of it that is taken out."""
+        wanted, sideslip, crab, aligned = self.law(deviation), 0.0, s.crab, s.aligned
+        landing = self.landing
+        if landing is not None and phase >= GLIDE:
+            share = dt / landing.align_time
+            if phase == GO_AROUND:
+                aligned = 0.0
+            elif phase != GLIDE or state.height - landing.wheel_height < landing.align_height:
+                aligned = min(aligned + share, 1.0)
+                sideslip = aligned * saturate(crab, landing.sideslip_limit)
+                wanted = wanted + landing.sideslip_bank * sideslip if phase != GROUND else 0.0
+            else:
+                crab += (deviation.heading_error - crab) * share
+        return rate_limit(s.bank, wanted, self.roll_rate_limit, dt), sideslip, crab, aligned
 
 
 def _established(deviation: PathDeviation) -> bool:
-    return abs(deviation.track_error) < ESTABLISHED_TRACK and abs(deviation.cross_track) < ESTABLISHED_CROSS_TRACK
+    return bool(abs(deviation.track_error) < ESTABLISHED_TRACK and abs(deviation.cross_track) < ESTABLISHED_CROSS_TRACK)
+
+
+def _phase_of(leg: int, route: Route, table: tuple[int, ...], otherwise: int) -> int:
+    """Phase of a leg, or of the turn onto it, counted from the end of the route."""
+    from_end = len(route.legs) - 1 - leg
+    return table[from_end] if from_end < len(table) else otherwise
 
 
 def navigated(
