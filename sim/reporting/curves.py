@@ -11,7 +11,7 @@ from sim.reporting import style
 from sim.reporting.quantities import words
 from sim.reporting.thinning import peaks, runs
 
-CHARACTER = 0.05  # in, width of a character of the strip's text
+CHARACTER = 0.047  # in, width of a character of the strip's text
 
 
 def by_phase(

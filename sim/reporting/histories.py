@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from autopilot.modes.lateral_navigation import LateralNavigation
+from autopilot.modes.radio_beacon import RadioBeacon
 from sim.flight import Flight
 from sim.metrics import GLIDE_CAPTURE
 from sim.reporting import style
@@ -40,6 +42,31 @@ def bank_history(flight: Flight, law: Any, bank_limit: float) -> Any:
     colours = {"bank": style.ORANGE}
     _bars(bars, flight, {f"{n} limited": (reached, colours.get(n, style.SKY)) for n, reached in limiters.items()})
     return figure
+
+
+def _bars(axes: Any, flight: Flight, rows: dict[str, tuple[np.ndarray, str]]) -> None:
+    """One row for each name, with a bar wherever its mask is True."""
+    for row, (mask, colour) in enumerate(rows.values()):
+        spans = [(flight.time[a], max(flight.time[b - 1] - flight.time[a], 1e-3)) for a, b in where(mask)]
+        axes.broken_barh(spans, (row + 0.15, 0.7), color=colour, linewidth=0)
+    axes.set_ylim(len(rows), 0)
+    axes.set_yticks(np.arange(len(rows)) + 0.5, list(rows), fontsize=6)
+    axes.grid(False, axis="y")
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlabel(TIME)
+
+
+def _limiters(flight: Flight, law: Any, bank_limit: float) -> dict[str, np.ndarray]:
+    """When the command stood at the bank limit, and when each input of the law was beyond its own."""
+    deviation = flight.deviation
+    reached = {"bank": np.abs(flight.command.bank) >= bank_limit * (1 - 1e-6)}
+    if isinstance(law, LateralNavigation):
+        reached["offset"] = np.abs(deviation.cross_track) >= law.cross_track_limit
+        reached["rate"] = np.abs(deviation.cross_track_rate) >= law.cross_track_rate_limit
+    if isinstance(law, RadioBeacon):
+        outside = deviation.distance_to_go > law.cone_radius
+        reached["bearing"] = outside & (np.abs(deviation.bearing_error) >= law.bearing_limit)
+    return reached
 
 
 def _bars(axes: Any, flight: Flight, rows: dict[str, tuple[np.ndarray, str]]) -> None:
@@ -98,12 +125,12 @@ def airframe_history(flight: Flight) -> Any | None:
     over_time(angles, flight, np.degrees(state.sideslip), color=style.GREEN, label="sideslip")
     angles.set_ylabel("angle, deg")
     over_time(vertical, flight, state.velocity_up, color=style.BLUE)
-    vertical.set_ylabel("vertical speed,\nm/s (+ up)")
+    vertical.set_ylabel("climb, m/s")
     for name, colour in (
         ("throttle", style.BLACK), ("elevator", style.BLUE), ("aileron", style.VERMILION), ("rudder", style.GREEN),
     ):  # fmt: skip
         over_time(controls, flight, getattr(state, name), color=colour, linewidth=0.9, label=name)
-    controls.set_ylabel("controls, share of travel")
+    controls.set_ylabel("share of travel")
     controls.set_xlabel(TIME)
     for axes, least in ((angles, 4.0), (vertical, 2.0), (controls, 0.4)):
         pad(axes, least, 0.2 if axes is not vertical else 0.08)

@@ -118,7 +118,7 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
             phase_portrait(flight, law),
             "Coloured line: the flown deviations, by phase, each leg begun at a circle. Shaded: the law asks for its "
             "bank limit. Between the dotted lines an input is passed on as it is, beyond them it is cut off; where "
-            "the offset is cut off, the line of wings level is the intercept speed.",
+            "the first input is cut off, the law settles on the line of wings level: the intercept.",
         )
         add(
             "Speed and configuration",

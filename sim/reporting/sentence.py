@@ -9,7 +9,7 @@ from sim.flight import Flight
 from sim.reporting.quantities import duration, number
 
 NARROW = 0.05  # m; nearer to a line than this is on it
-REPEATING = ("at ", "flown until", "still flying")  # reasons that say no more than the time
+REPEATING = ("at ", "flown ", "still flying")  # reasons that say no more than the time
 
 
 def what_happened(flight: Flight, figures: dict[str, Any], checks: list[dict[str, Any]]) -> str:
@@ -31,7 +31,7 @@ def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
         "diverged": "the flight diverged",
         "envelope": "the aircraft left its flight envelope",
         "go_around": "the aircraft had gone around and climbed away",
-        "completed": "the aircraft had flown what the scenario asks for",
+        "completed": "the flight was complete",
         "time_limit": "the flight was ended by the time limit",
     }.get(outcome, f"the flight ended as '{outcome}'")
     if reason and not reason.startswith(REPEATING):
@@ -44,7 +44,7 @@ def _beside_its_leg(flight: Flight) -> str:
     across = float(flight.deviation.cross_track[-1])
     if not math.isfinite(across):
         return ""
-    return f", {_side(across, 'its leg')}"
+    return f" with the aircraft {_side(across, 'its leg')}"
 
 
 def _side(across: float, line: str) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 WIDTH = 7.2  # in, of every figure: the text width of an A4 page
-LEFT, RIGHT, TOP, BOTTOM, GAP = 0.62, 0.12, 0.10, 0.40, 0.10  # in, so that the time axes of all figures agree
+LEFT, RIGHT, TOP, BOTTOM, GAP = 0.68, 0.12, 0.10, 0.40, 0.10  # in, so that the time axes of all figures agree
 
 # Okabe and Ito's set, without the yellow that vanishes on white
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -87,7 +87,7 @@ def panels(*heights: float, share: bool = True, top: float = TOP, bottom: float 
         edge -= panel
         box = (LEFT / WIDTH, edge / height, (WIDTH - LEFT - RIGHT) / WIDTH, panel / height)
         axes.append(figure.add_axes(box, sharex=axes[0] if share and axes else None))
-        axes[-1].yaxis.set_label_coords(-0.5 / (WIDTH - LEFT - RIGHT), 0.5)  # fixed places align and cost nothing
+        axes[-1].yaxis.set_label_coords(-0.56 / (WIDTH - LEFT - RIGHT), 0.5)  # fixed places align and cost nothing
         axes[-1].xaxis.set_label_coords(0.5, -0.28 / panel)
         edge -= GAP
     for upper in axes[:-1] if share else ():
