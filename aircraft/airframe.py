@@ -26,6 +26,7 @@ from aircraft.wind import SteadyWind
 
 RATE = 120  # Hz, of the equations of motion
 UNTOLD_FLAPS = math.radians(40.0)  # full deflection of a model that gives only its share
+_NEW = tuple.__new__  # an AircraftState from a tuple of its fields at half the time of its own constructor
 PLANET = f"""<planet name="sphere"><equatorial_radius unit="M">{EARTH_RADIUS!r}</equatorial_radius>
 <polar_radius unit="M">{EARTH_RADIUS!r}</polar_radius><rotation_rate unit="RAD/SEC">0</rotation_rate>
 <GM unit="M3/SEC2">{STANDARD_GRAVITY * EARTH_RADIUS**2!r}</GM><J2>0</J2></planet>"""
@@ -110,12 +111,11 @@ class Airframe:
         self._run = executive.run
         manager = executive.get_property_manager()
         self._manager = manager
-        self._state = [getter(manager, wanted) for wanted in properties.STATE]
-        self._forces = [getter(manager, wanted) for wanted in properties.FORCES]
         self._accelerations = [getter(manager, wanted) for wanted in properties.ACCELERATIONS]
         self._mass = getter(manager, properties.MASS)
-        self._gear = getter(manager, properties.GEAR)
         self._main_wheels = [node(manager, f"gear/unit[{unit}]/WOW").get_double_value for unit in main_gear]
+        self._main_wheel_count = max(len(main_gear), 1)
+        self._elevation = runway.elevation
         self._initial = [(setter(manager, wanted), wanted.factor) for wanted in properties.INITIAL]
         self._surfaces = [setter(manager, wanted) for wanted in properties.SURFACES]
         self._throttles = _throttles(manager)
@@ -128,7 +128,9 @@ class Airframe:
         self._last: AircraftState | None = None
         self._has_flown = False
         self._specific_force = 0.0
-        self.full_flaps, self._flaps, self._flaps_factor = self._full_flaps()
+        self.full_flaps, flaps, self._flaps_factor = self._full_flaps()
+        self._seen = [getter(manager, wanted) for wanted in (*properties.STATE, *properties.FORCES)]
+        self._seen += [flaps, getter(manager, properties.GEAR)]
 
     @property
     def mass(self) -> float:
@@ -148,7 +150,7 @@ class Airframe:
             raise FlightError(f"the flight would begin {-initial.height:.0f} m below the runway")
         wind_north, wind_east, _ = wind
         u, v, w = _body_velocity(initial, wind_north, wind_east)
-        elevation = self.runway.elevation
+        elevation = self._elevation
         values = (
             elevation,
             initial.north,
@@ -196,9 +198,9 @@ class Airframe:
             for _ in range(substeps):
                 run()
             return
-        time, latitude, longitude, height, *_ = (get() for get in self._state[:4])
-        position = (latitude * EARTH_RADIUS, longitude * EARTH_RADIUS, height * FOOT - self.runway.elevation)
-        airspeed = self._state[13]() * FOOT
+        time, latitude, longitude, height = (get() for get in self._seen[:4])
+        position = (latitude * EARTH_RADIUS, longitude * EARTH_RADIUS, height * FOOT - self._elevation)
+        airspeed = self._seen[13]() * FOOT
         blow, velocity = self._blow, wind.velocity
         for substep in range(substeps):
             blow(*velocity(time + substep / RATE, position, airspeed))
@@ -206,43 +208,47 @@ class Airframe:
 
     def read(self) -> AircraftState:
         """The state now; raises ``FlightError`` with the last good one when a number is not finite."""
-        time, latitude, longitude, height, north, east, down, bank, pitch, heading, p, q, r, speed, alpha, beta = [
-            get() for get in self._state
-        ]
-        forward, right, downward = self._forces
-        scale = self._specific_force
-        aileron, elevator, rudder, throttle, _, _ = self._controls
-        wheels = self._main_wheels
-        state = AircraftState(
-            time,
-            latitude * EARTH_RADIUS,
-            longitude * EARTH_RADIUS,
-            height * FOOT - self.runway.elevation,
-            north * FOOT,
-            east * FOOT,
-            -down * FOOT,
-            bank,
-            pitch,
-            heading,
-            p,
-            q,
-            r,
-            speed * FOOT,
-            alpha,
-            beta,
-            forward() * scale,
-            right() * scale,
-            downward() * scale,
-            aileron,
-            elevator,
-            rudder,
-            throttle,
-            self._flaps() * self._flaps_factor,
-            self._gear(),
-            sum(wheel() for wheel in wheels) / len(wheels) if wheels else 0.0,
-        )
+        values = [get() for get in self._seen]
+        time, latitude, longitude, height, north, east, down, bank, pitch, heading, p, q, r, speed, *rest = values
+        alpha, beta, forward, right, downward, flaps, gear = rest
         if not math.isfinite(latitude + longitude + height + north + east + down + bank + p + q + r + speed):
             raise FlightError(f"the motion is not finite at {time:.2f} s", time, self._last)
+        scale = self._specific_force
+        aileron, elevator, rudder, throttle, _, _ = self._controls
+        wheels = 0.0
+        for wheel in self._main_wheels:
+            wheels += wheel()
+        state = _NEW(
+            AircraftState,
+            (
+                time,
+                latitude * EARTH_RADIUS,
+                longitude * EARTH_RADIUS,
+                height * FOOT - self._elevation,
+                north * FOOT,
+                east * FOOT,
+                -down * FOOT,
+                bank,
+                pitch,
+                heading,
+                p,
+                q,
+                r,
+                speed * FOOT,
+                alpha,
+                beta,
+                forward * scale,
+                right * scale,
+                downward * scale,
+                aileron,
+                elevator,
+                rudder,
+                throttle,
+                flaps * self._flaps_factor,
+                gear,
+                wheels / self._main_wheel_count,
+            ),
+        )
         self._last = state
         return state
 

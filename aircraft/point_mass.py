@@ -37,7 +37,7 @@ class PointMassState(NamedTuple):
 
 @dataclass(frozen=True)
 class PointMass:
-    """Course rate g tan(bank) / V [Vasylyev 2003, eq. (6)], with lags and limits on what the autopilot commands.
+    """Course rate a_n / V with a_n = g tan(bank), and lags and limits on what is commanded [Volovyk 2022, eq. (3)].
 
     Each channel follows its command with a first-order lag under a limit of its rate. A held height is approached
     through the vertical speed.

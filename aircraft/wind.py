@@ -12,7 +12,7 @@ import numpy as np
 
 FOOT = 0.3048  # m; the forms of the specification are in feet
 LOWEST, HIGHEST = 10.0 * FOOT, 1000.0 * FOOT  # m above the ground, between which the low-altitude forms hold
-REFRESH = 12  # steps between two looks at height and airspeed: 0.1 s, 6 m of flight
+BLOCK = 12  # steps between two looks at height and airspeed: 0.1 s, 6 m of flight
 ROOT_THREE = math.sqrt(3.0)
 INTENSITIES = {"light": 7.7166667, "moderate": 15.4333333, "severe": 23.15}  # m/s: 15, 30, 45 kt at 20 ft
 
@@ -62,8 +62,8 @@ class Turbulence:
 
     Along, across and up are those of ``course``: the mean wind's where there is one, else the runway's. Shaping filters
     are discretised exactly for white noise: each state keeps unit variance whatever the step, the airspeed or the
-    height, so changing conditions only rescale. Row k of the noise belongs to step k of 1/``rate`` s, however the time
-    is asked for. The gradient of the gust over the span (rolling gusts) is left out.
+    height, so changing conditions only rescale. Rows of the noise belong to steps of 1/``rate`` s, however the time is
+    asked for. The gradient of the gust over the span (rolling gusts) is left out.
 
     Parameters
     ----------
@@ -93,62 +93,56 @@ class Turbulence:
         axis = math.atan2(self._mean.east, self._mean.north) if course is None else course
         self._axis = (math.cos(axis), math.sin(axis))
         self._rate = rate
-        self._step = -1
-        self._rows: list[list[float]] = []
-        self._row = 0
-        self._state: tuple[float, ...] | None = None
-        self._gust = (0.0, 0.0, 0.0)
+        self._next = 0  # step that the next block begins with
+        self._state: tuple[float, float, float, float, float] | None = None
+        self._block: list[tuple[float, float, float]] = []
 
     def velocity(
         self, time: float, position: tuple[float, float, float], airspeed: float
     ) -> tuple[float, float, float]:
-        """(north, east, up), m/s, at ``time`` (s), which must not go back by more than a step."""
-        wanted = math.floor(time * self._rate + 0.5)
-        while self._step < wanted:
-            self._step += 1
-            if self._step % REFRESH == 0:
-                self._refresh(position[2], airspeed)
-            self._advance()
-        along, across, up = self._gust
+        """(north, east, up), m/s, at ``time`` (s), which may go back by up to 0.1 s but not to an earlier block."""
+        step = math.floor(time * self._rate + 0.5)
+        while step >= self._next:
+            self._advance(position[2], airspeed)
+        return self._block[step - self._next]  # counted from the end of the block
+
+    def _advance(self, height: float, airspeed: float) -> None:
+        """The next block of steps, all with the intensity and airspeed of its beginning.
+
+        Along is a first-order filter, across and up are second-order filters with a zero.
+        """
+        now = intensity(height, self._wind_at_20_ft)
+        speed = max(airspeed, 1.0) / self._rate
+        decay = math.exp(-speed / now.length_along)
+        noise = math.sqrt(1.0 - decay * decay)
+        fa, ha, a11, a21, a22 = _second_order(speed / now.length_along)
+        fu, hu, u11, u21, u22 = _second_order(speed / now.length_up)
+        sigma, sigma_up = now.sigma_along, now.sigma_up
         cosine, sine = self._axis
         north, east, rising = self._mean
-        return north + cosine * along - sine * across, east + sine * along + cosine * across, rising + up
-
-    def _refresh(self, height: float, airspeed: float) -> None:
-        """Coefficients for the next steps."""
-        now = intensity(height, self._wind_at_20_ft)
-        speed = max(airspeed, 1.0)
-        along = speed / (now.length_along * self._rate)
-        upwards = speed / (now.length_up * self._rate)
-        decay = math.exp(-along)
-        self._sigmas = (now.sigma_along, now.sigma_up)
-        self._first_order = (decay, math.sqrt(1.0 - decay * decay))
-        self._across, self._up = _second_order(along), _second_order(upwards)
-
-    def _advance(self) -> None:
-        """One step of the filters: along is first order, across and up are second order with a zero."""
-        if self._row == len(self._rows):
-            self._rows = self._generator.standard_normal((1200, 5)).tolist()
-            self._row = 0
-        n1, n2, n3, n4, n5 = self._rows[self._row]
-        self._row += 1
-        if self._state is None:  # stationary from the start
-            along, across1, across2, up1, up2 = n1, n2 * _P11, n2 * _P21 + n3 * _P22, n4 * _P11, n4 * _P21 + n5 * _P22
+        rows = iter(self._generator.standard_normal((BLOCK, 5)).tolist())
+        block = []
+        if self._state is None:  # stationary from the first step: the states are drawn from their own covariance
+            x, n1, n2, n3, n4 = self._generator.standard_normal(5).tolist()
+            across, across2, up, up2 = n1 * _P11, n1 * _P21 + n2 * _P22, n3 * _P11, n3 * _P21 + n4 * _P22
         else:
-            along, across1, across2, up1, up2 = self._state
-            decay, noise = self._first_order
-            along = decay * along + noise * n1
-            f, h, q11, q21, q22 = self._across
-            across1, across2 = f * across1 + q11 * n2, f * (h * across1 + across2) + q21 * n2 + q22 * n3
-            f, h, q11, q21, q22 = self._up
-            up1, up2 = f * up1 + q11 * n4, f * (h * up1 + up2) + q21 * n4 + q22 * n5
-        self._state = (along, across1, across2, up1, up2)
-        sigma, sigma_up = self._sigmas
-        self._gust = (
-            sigma * along,
-            sigma * (ROOT_THREE * across1 + (1.0 - ROOT_THREE) * across2),
-            sigma_up * (ROOT_THREE * up1 + (1.0 - ROOT_THREE) * up2),
-        )
+            x, across, across2, up, up2 = self._state
+        for n1, n2, n3, n4, n5 in rows:
+            x = decay * x + noise * n1
+            across, across2 = fa * across + a11 * n2, fa * (ha * across + across2) + a21 * n2 + a22 * n3
+            up, up2 = fu * up + u11 * n4, fu * (hu * up + up2) + u21 * n4 + u22 * n5
+            along = sigma * x
+            right = sigma * (ROOT_THREE * across + (1.0 - ROOT_THREE) * across2)
+            block.append(
+                (
+                    north + cosine * along - sine * right,
+                    east + sine * along + cosine * right,
+                    rising + sigma_up * (ROOT_THREE * up + (1.0 - ROOT_THREE) * up2),
+                )
+            )
+        self._state = (x, across, across2, up, up2)
+        self._block = block
+        self._next += BLOCK
 
 
 # Second-order filter (1 + sqrt(3) s) / (1 + s)^2 in time over (length / airspeed): x1 = 1/(1+s) noise, x2 = 1/(1+s) x1,
