@@ -8,23 +8,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim import catalogue
 from sim.flight import Flight
-from sim.parameters import dump
 from sim.reporting import style
+from sim.reporting.first_screen import first_screen
 from sim.reporting.histories import airframe_history, bank_history, error_history, final_errors, speed_history
 from sim.reporting.phase_portrait import phase_portrait
 from sim.reporting.plan_view import plan_view
-from sim.reporting.quantities import ABSENT, decimals, number, split, unit, words
-from sim.reporting.sentence import what_happened
-from sim.reporting.sources import sources
+from sim.reporting.quantities import number, words
+from sim.reporting.rows import check_row, event_rows, halves, law_rows, scalar_rows, spread_rows
+from sim.reporting.sources import aircraft_sources, sources, what_ran
 from sim.reporting.tracker_tables import tracker_tables
 from sim.reporting.vertical_profile import touchdown_view, vertical_profile
-from sim.signals import SIGNALS
-from sim.tables import Check
 from sim.toml import dumps
-
-MOST_EVENTS = 60
 
 
 class Chart(NamedTuple):
@@ -55,21 +50,22 @@ def write(
     tracks : name -> summary of a tracker, as in metrics.json under "trackers"; None = no trackers ran
     """
     page = _template().render(
-        **_first_screen(scenario, flight, metrics),
+        **first_screen(scenario, flight, metrics),
         charts=charts(flight, scenario, law),
-        checks=[_check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
-        events=_event_rows(flight),
+        checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
+        events=event_rows(flight),
         outcome=words(metrics["flight"]["outcome"]),
         reason=metrics["flight"].get("reason", ""),
-        flight_rows=_halves(_scalar_rows(metrics["flight"])),
-        spread=_spread_rows(metrics.get("flights_summary")),
+        flight_rows=halves(scalar_rows(metrics["flight"])),
+        spread=spread_rows(metrics.get("flights_summary")),
         trackers=tracker_tables(tracks) if tracks else [],
         draws=metrics.get("draws"),
         scenario_text=dumps(scenario.tables),
-        law_rows=_law_rows(law),
+        law_rows=law_rows(law),
         versions=sorted(versions.items()),
         timing=[(words(name.removesuffix("_s")), number(float(value), 2)) for name, value in timing.items()],
-        **dict(zip(("equations", "papers", "errata"), sources(_what_ran(scenario, law)), strict=True)),
+        aircraft_sources=aircraft_sources(scenario.aircraft.model),
+        **dict(zip(("equations", "papers", "errata"), sources(what_ran(scenario, law)), strict=True)),
     )
     path.write_text(page, encoding="utf-8")
     return path
@@ -145,172 +141,3 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
                 "The last stretch enlarged; the aircraft flies to the right. Scaled to what follows the capture.",
             )
     return drawn
-
-
-def _first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any]) -> dict[str, Any]:
-    checks = metrics.get("checks", [])
-    failed = [_check_name(check) for check in checks if check["passed"] is False]
-    return {
-        "name": scenario.name,
-        "subtitle": _subtitle(scenario, metrics),
-        "sentence": what_happened(flight, metrics["flight"], checks),
-        "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed"),
-        "failed": failed,
-        "warnings": metrics.get("warnings", []),
-        "key_figures": _key_figures(metrics["flight"]),
-    }
-
-
-def _subtitle(scenario: Any, metrics: dict[str, Any]) -> list[str]:
-    aircraft, wind = scenario.aircraft, scenario.wind
-    parts = [f"aircraft {words(aircraft.model)}"]
-    if aircraft.mass is not None:
-        parts.append(f"{aircraft.mass / 1000:.1f} t")
-    parts.append(f"law {words(scenario.mode)}, bank limit {np.degrees(scenario.autopilot.bank_limit):.0f} deg")
-    if wind.speed > 0:
-        parts.append(f"wind from {np.degrees(wind.from_) % 360:03.0f} deg at {wind.speed:.1f} m/s")
-    else:
-        parts.append("no steady wind")
-    if wind.intensity > 0:
-        parts.append(
-            f"turbulence {wind.turbulence if wind.turbulence != 'none' else ''} (W20 {wind.intensity:.1f} m/s)"
-        )
-    parts.append(f"seed {metrics.get('seed', scenario.seed)}")
-    if metrics.get("flights", 1) > 1:
-        parts.append(f"first of {metrics['flights']} flights")
-    return parts
-
-
-KEY_FIGURES = (
-    ("duration_s", "flight time"),
-    ("bank_max_deg", "greatest bank"),
-    ("time_saturated_s", "at the bank limit"),
-    ("base_overshoot_m", "overshoot of base"),
-    ("overshoot_m", "overshoot of the last leg"),
-    ("settling_s", "settled after"),
-    ("cross_track_rms_final_m", "cross-track RMS, final"),
-    ("height_error_rms_final_m", "height error RMS, glide path"),
-    ("touchdown.past_threshold_m", "touchdown past the threshold"),
-    ("touchdown.cross_track_m", "touchdown right of centreline"),
-    ("touchdown.sink_mps", "sink at touchdown"),
-    ("touchdown.crab_deg", "crab at touchdown"),
-)
-TENTHS = ("duration_s", "time_saturated_s", "settling_s")
-
-
-def _key_figures(flight: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """(label, number, unit) of the figures that this flight has."""
-    shown = []
-    for key, label in KEY_FIGURES:
-        value: Any = flight
-        for part in key.split("."):
-            value = value.get(part) if isinstance(value, dict) else None
-        if value is not None:
-            places = 1 if key in TENTHS else min(decimals(value), 2)
-            shown.append((label, number(float(value), places), split(key)[1]))
-    return shown
-
-
-def _check_row(asked: Check, check: dict[str, Any]) -> dict[str, Any]:
-    """A check as text; value, limit and margin with the same decimals, enough to tell value and limit apart."""
-    value, limit, margin = check["value"], check["limit"], check["margin"]
-    places = decimals(value, limit)
-    while margin and abs(margin) < 0.5 * 10**-places and places < 6:
-        places += 1
-    during = check["during"] if isinstance(check["during"], str) else ", ".join(check["during"])
-    return {
-        "name": _check_name(check),
-        "when": (words(during) if during != "all" else "whole flight") if check["metric"] in SIGNALS else ABSENT,
-        "how": _statistic(check["statistic"], check["for_s"]) if check["metric"] in SIGNALS else "once",
-        "limit": _limits(asked, places),
-        "value": number(None if value is None else float(value), places),
-        "margin": number(None if margin is None else float(margin), places),
-        "unit": unit(check["unit"]),
-        "time": number(None if check["time_s"] is None else float(check["time_s"]), 1),
-        "passed": check["passed"],
-        "source": check["source"] or ABSENT,
-    }
-
-
-def _limits(asked: Check, places: int) -> str:
-    """What was allowed, as a relation or a range."""
-    low, high = (None if bound is None else number(float(bound), places) for bound in (asked.min, asked.max))
-    if low is not None and high is not None:
-        return f"{low} … {high}"
-    return f"≤ {high}" if low is None else f"≥ {low}"
-
-
-def _check_name(check: dict[str, Any]) -> str:
-    """The user's name of a check, or its metric in words; the unit has a column of its own."""
-    return words(check["name"]) if check["name"] != check["metric"] else split(check["metric"])[0]
-
-
-def _statistic(name: str, lasting: float) -> str:
-    told = {"max": "", "mean_5_s": "mean over 5 s", "rms": "RMS", "p95": "95th percentile"}.get(name, words(name))
-    held = f"for {lasting:g} s" if lasting else ""
-    return ", ".join(part for part in (told, held) if part) or "at any time"
-
-
-def _event_rows(flight: Flight) -> list[tuple[str, ...]]:
-    """(time, event, height, airspeed, bank, detail) of everything that happened once."""
-    rows = []
-    for event in flight.events[:MOST_EVENTS]:
-        at = min(int(np.searchsorted(flight.time, event.time)), len(flight.time) - 1)
-        s = flight.state
-        rows.append(
-            (
-                number(float(event.time), 1),
-                words(event.name),
-                number(float(s.height[at]), 1),
-                number(float(s.airspeed[at]), 1),
-                number(float(np.degrees(s.bank[at])), 1),
-                event.detail.partition("; last state")[0],
-            )
-        )
-    return rows
-
-
-def _scalar_rows(figures: dict[str, Any], prefix: str = "") -> list[tuple[str, str, str]]:
-    """(name, value, unit) of every number; nested tables are written out."""
-    rows: list[tuple[str, str, str]] = []
-    for key, value in figures.items():
-        if isinstance(value, dict):
-            rows += _scalar_rows(value, f"{prefix}{words(key)}: ")
-        elif not isinstance(value, str) and key != "landed":  # the outcome says it
-            name, suffix = split(key)
-            rows.append((prefix + name, number(value), suffix if value is not None else ""))
-    return rows
-
-
-def _halves(rows: list[Any]) -> list[list[Any]]:
-    """Two tables of nearly the same length, to stand beside each other."""
-    middle = -(-len(rows) // 2)
-    return [rows[:middle], rows[middle:]]
-
-
-def _spread_rows(summary: dict[str, Any] | None) -> dict[str, Any] | None:
-    """Outcome counts and percentiles over several flights."""
-    if not summary or sum(summary.get("outcomes", {}).values()) < 2:
-        return None
-    rows = []
-    for key, figures in summary.items():
-        if key != "outcomes":
-            name, suffix = split(key)
-            values = [figures["p5"], figures["p50"], figures["p95"]]
-            places = decimals(*values)
-            rows.append((name, suffix, *(number(float(v), places) for v in values)))
-    return {"outcomes": [(words(name), count) for name, count in summary["outcomes"].items()], "rows": rows}
-
-
-def _law_rows(law: Any) -> list[tuple[str, str, str]]:
-    """(field, value, unit) of the law that flew, as it would stand in a file."""
-    return [
-        (*split(key), f"{value:.5g}" if isinstance(value, float) else str(value)) for key, value in dump(law).items()
-    ]
-
-
-def _what_ran(scenario: Any, law: Any) -> list[Any]:
-    """Everything whose docstrings name the sources of this run."""
-    kinds = dict.fromkeys(tracker.kind for tracker in scenario.trackers.values())
-    trackers = [catalogue.load("trackers", kind) for kind in kinds]
-    return [law, scenario.route, scenario.wind, *scenario.sensors.values(), *trackers]

@@ -7,6 +7,13 @@ import re
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
+from aircraft.data import data
+from aircraft.point_mass import PointMass
+from aircraft.wind import Turbulence, intensity
+from autopilot.design import lateral_law
+from sim import catalogue
+from sim.reporting.quantities import words
+
 TAG = re.compile(r"\[([A-Z][^\[\]\n]*?\d[^\[\]\n]*)\]")
 ERRATUM = re.compile(r"^Erratum: *(.+?)(?=\n\s*\n|\nErratum:|\Z)", re.MULTILINE | re.DOTALL)
 
@@ -35,6 +42,24 @@ PAPERS = {
 }
 
 
+def what_ran(scenario: Any, law: Any) -> list[Any]:
+    """Everything of a run whose docstring may name a source."""
+    things: list[Any] = [law, scenario.route]
+    if scenario.mode == "lateral_navigation" and not scenario.law:
+        things.append(lateral_law)
+    if scenario.aircraft.model == "point_mass":
+        things.append(PointMass)
+    if scenario.wind.intensity > 0:
+        things += [Turbulence, intensity]
+    kinds = dict.fromkeys(tracker.kind for tracker in scenario.trackers.values())
+    return [*things, *scenario.sensors.values(), *(catalogue.load("trackers", kind) for kind in kinds)]
+
+
+def aircraft_sources(model: str) -> list[tuple[str, str]]:
+    """(what, where it is from) of the data of an aircraft; empty for the point mass."""
+    return [] if model == "point_mass" else [(words(name), source) for name, source in data(model).sources]
+
+
 class Source(NamedTuple):
     """One equation that ran."""
 
@@ -54,9 +79,7 @@ def sources(things: Iterable[Any]) -> tuple[list[Source], list[str], list[str]]:
                 entry = Source(tag, _first_line(text), f"{owner.__module__}.{owner.__qualname__}")
                 if entry not in equations:
                     equations.append(entry)
-                papers |= {
-                    full: None for short, full in PAPERS.items() if tag.startswith(short.split()[0]) and short in tag
-                }
+                papers |= {full: None for short, full in PAPERS.items() if short in tag}
             errata |= {" ".join(found.split()): None for found in ERRATUM.findall(text)}
     return equations, list(papers), list(errata)
 
@@ -72,4 +95,4 @@ def _documented(thing: Any) -> list[tuple[Any, str]]:
 def _first_line(text: str) -> str:
     """What the docstring says it computes, without the tag."""
     first = " ".join(text.split("\n\n")[0].split())
-    return TAG.sub("", first).replace(" .", ".").strip().rstrip(":")
+    return TAG.sub("", first).replace("``", "").replace(" .", ".").strip().rstrip(":")

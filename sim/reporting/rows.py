@@ -1,0 +1,113 @@
+"""Tables of the report as rows of text: checks, events, figures, the law."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.flight import Flight
+from sim.parameters import dump
+from sim.reporting.quantities import ABSENT, decimals, number, split, unit, words
+from sim.signals import SIGNALS
+from sim.tables import Check
+
+MOST_EVENTS = 60
+
+
+def check_row(asked: Check, check: dict[str, Any]) -> dict[str, Any]:
+    """A check as text; value, limit and margin with the same decimals, enough to tell value and limit apart."""
+    value, limit, margin = check["value"], check["limit"], check["margin"]
+    places = decimals(value, limit)
+    while margin and abs(margin) < 0.5 * 10**-places and places < 6:
+        places += 1
+    during = check["during"] if isinstance(check["during"], str) else ", ".join(check["during"])
+    return {
+        "name": check_name(check),
+        "when": (words(during) if during != "all" else "whole flight") if check["metric"] in SIGNALS else ABSENT,
+        "how": _statistic(check["statistic"], check["for_s"]) if check["metric"] in SIGNALS else "once",
+        "limit": _limits(asked, places),
+        "value": number(None if value is None else float(value), places),
+        "margin": number(None if margin is None else float(margin), places),
+        "unit": unit(check["unit"]),
+        "time": number(None if check["time_s"] is None else float(check["time_s"]), 1),
+        "passed": check["passed"],
+        "source": check["source"] or ABSENT,
+    }
+
+
+def _limits(asked: Check, places: int) -> str:
+    """What was allowed, as a relation or a range."""
+    low, high = (None if bound is None else number(float(bound), places) for bound in (asked.min, asked.max))
+    if low is not None and high is not None:
+        return f"{low} … {high}"
+    return f"≤ {high}" if low is None else f"≥ {low}"
+
+
+def check_name(check: dict[str, Any]) -> str:
+    """The user's name of a check, or its metric in words; the unit has a column of its own."""
+    return words(check["name"]) if check["name"] != check["metric"] else split(check["metric"])[0]
+
+
+def _statistic(name: str, lasting: float) -> str:
+    told = {"max": "", "mean_5_s": "mean over 5 s", "rms": "RMS", "p95": "95th percentile"}.get(name, words(name))
+    held = f"for {lasting:g} s" if lasting else ""
+    return ", ".join(part for part in (told, held) if part) or "at any time"
+
+
+def event_rows(flight: Flight) -> list[tuple[str, ...]]:
+    """(time, event, height, airspeed, bank, detail) of everything that happened once."""
+    rows = []
+    for event in flight.events[:MOST_EVENTS]:
+        at = min(int(np.searchsorted(flight.time, event.time)), len(flight.time) - 1)
+        s = flight.state
+        rows.append(
+            (
+                number(float(event.time), 1),
+                words(event.name),
+                number(float(s.height[at]), 1),
+                number(float(s.airspeed[at]), 1),
+                number(float(np.degrees(s.bank[at])), 1),
+                event.detail.partition("; last state")[0],
+            )
+        )
+    return rows
+
+
+def scalar_rows(figures: dict[str, Any], prefix: str = "") -> list[tuple[str, str, str]]:
+    """(name, value, unit) of every number; nested tables are written out."""
+    rows: list[tuple[str, str, str]] = []
+    for key, value in figures.items():
+        if isinstance(value, dict):
+            rows += scalar_rows(value, f"{prefix}{words(key)}: ")
+        elif not isinstance(value, str) and key != "landed":  # the outcome says it
+            name, suffix = split(key)
+            rows.append((prefix + name, number(value), suffix if value is not None else ""))
+    return rows
+
+
+def halves(rows: list[Any]) -> list[list[Any]]:
+    """Two tables of nearly the same length, to stand beside each other."""
+    middle = -(-len(rows) // 2)
+    return [rows[:middle], rows[middle:]]
+
+
+def spread_rows(summary: dict[str, Any] | None) -> dict[str, Any] | None:
+    """Outcome counts and percentiles over several flights."""
+    if not summary or sum(summary.get("outcomes", {}).values()) < 2:
+        return None
+    rows = []
+    for key, figures in summary.items():
+        if key != "outcomes":
+            name, suffix = split(key)
+            values = [figures["p5"], figures["p50"], figures["p95"]]
+            places = decimals(*values)
+            rows.append((name, suffix, *(number(float(v), places) for v in values)))
+    return {"outcomes": [(words(name), count) for name, count in summary["outcomes"].items()], "rows": rows}
+
+
+def law_rows(law: Any) -> list[tuple[str, str, str]]:
+    """(field, value, unit) of the law that flew, as it would stand in a file."""
+    return [
+        (*split(key), f"{value:.5g}" if isinstance(value, float) else str(value)) for key, value in dump(law).items()
+    ]
