@@ -14,7 +14,7 @@ from aircraft.linearise import linearise
 from aircraft.minimum_speed import minimum_speed
 from aircraft.model_files import ModelError
 from aircraft.models.an26 import build
-from aircraft.modes import flying_qualities
+from aircraft.modes import flying_qualities, modes
 from aircraft.properties import MASS
 from aircraft.trim import trim
 
@@ -162,6 +162,38 @@ def test_it_flies_as_level_1_on_approach(airspeed, flaps, gear, path):
     steady = trim(airframe, airspeed, math.radians(path), 300.0, math.radians(flaps), gear)
     verdicts = flying_qualities(linearise(airframe, steady))
     assert {verdict.level for verdict in verdicts} == {1}
+
+
+def documented(heading):
+    """Rows of numbers of one table of the model's README, up = 0 and down = 1."""
+    text = (model_files.OWN_MODELS / "an26" / "README.md").read_text(encoding="utf-8").split(f"## {heading}\n")[1]
+    rows = [line.strip("| \n").replace("up", "0").replace("down", "1") for line in text.splitlines() if "|" in line]
+    last = next((i for i, row in enumerate(rows[2:], 2) if not row[0].isdigit()), len(rows))
+    return [[float(number) for number in row.replace(",", "|").split("|")] for row in rows[2:last]]
+
+
+def test_the_documented_trims_are_those_of_the_model():
+    rows = documented("Trim")
+    assert [tuple(row[:3]) for row in rows] == [entry[:3] for entry in TRIMS]
+    airframe = load("an26")
+    for airspeed, flaps, gear, path, alpha, power, elevator in rows:
+        exact = {-2.67: -8.0 / 3.0}.get(path, path)
+        steady = trim(airframe, airspeed, math.radians(exact), 600.0, math.radians(flaps), gear)
+        kilowatts = (build.fact("idle_power") * (1.0 - steady.controls.throttle)) / 1e3
+        kilowatts += build.fact("power") * steady.controls.throttle / 1e3
+        assert math.degrees(steady.initial.angle_of_attack) == pytest.approx(alpha, abs=0.006)  # as printed
+        assert kilowatts == pytest.approx(power, abs=0.6)
+        assert math.degrees(steady.controls.elevator * build.fact("elevator_up")) == pytest.approx(elevator, abs=0.006)
+
+
+def test_the_documented_modes_are_those_of_the_model():
+    airframe = load("an26")
+    for airspeed, flaps, *wanted in documented("Modes"):
+        steady = trim(airframe, airspeed, 0.0, 600.0, math.radians(flaps), float(flaps > 15.0))
+        phugoid, short, dutch, roll, spiral = modes(linearise(airframe, steady))
+        found = [(mode.natural_frequency, mode.damping) for mode in (phugoid, short, dutch)]
+        assert [*found[0], *found[1], *found[2]] == pytest.approx(wanted[:6], abs=0.006)
+        assert (roll.time_constant, spiral.time_to_double) == pytest.approx(wanted[6:], abs=0.06)
 
 
 def test_minimum_speed_is_near_the_published_one():
