@@ -59,9 +59,7 @@ def test_a_plot_without_noise_is_the_position(form, height):
         if height is None:
             z, R = np.append(z, math.asin(380.0 / z[0])), np.diag([1e-6, 1e-12, 1e-12])
         linear = sensor.linearise(z, R, state(north, east))
-        posterior, _ = update(
-            Gaussian(state(north, east) + [50.0, 0.0, -80.0, 0.0], np.diag([1e4, 1.0, 1e4, 1.0])), *linear
-        )
+        posterior, _ = update(Gaussian(state(north + 50.0, east - 80.0), np.diag([1e4, 1.0, 1e4, 1.0])), *linear)
         np.testing.assert_allclose(posterior.mean[[0, 2]], [north, east], atol=1e-3)
 
 

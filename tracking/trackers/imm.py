@@ -8,6 +8,7 @@ from functools import cached_property, lru_cache
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import fractional_matrix_power  # type: ignore[import-untyped]
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
 from tracking.measurement import MeasurementModel
@@ -22,15 +23,20 @@ from tracking.motion import (
 
 
 class ModelSet(NamedTuple):
-    """Motion models, how they switch per step (rows "from", columns "to") and how likely each is at the start."""
+    """Motion models, how they switch (rows "from", columns "to") and how likely each is at the start.
+
+    The switching matrix holds over ``period`` seconds; over another time it is that power of it. Without a period it
+    holds once per step, whatever the time.
+    """
 
     models: tuple[Motion, ...]
     switching: tuple[tuple[float, ...], ...]
     probabilities: tuple[float, ...]
+    period: float | None = None  # s
 
 
 def published_set(acceleration_density: float = 0.01, slow: float = -0.001, fast: float = -0.045) -> ModelSet:
-    """Two left turns and straight flight, as published [Volovyk 2022, section 4].
+    """Two left turns and straight flight, scanned every 0.7 s, as published [Volovyk 2022, section 4].
 
     Erratum: printed initial probabilities .53 .33 .13, which sum to .99, used 8/15 5/15 2/15, because these truncate
     to the printed digits and sum to one.
@@ -43,6 +49,7 @@ def published_set(acceleration_density: float = 0.01, slow: float = -0.001, fast
         ),
         ((0.99, 0.01, 0.0), (0.01, 0.98, 0.01), (0.0, 0.01, 0.99)),
         (8 / 15, 5 / 15, 2 / 15),
+        0.7,
     )
 
 
@@ -52,7 +59,11 @@ def improved_set(
     acceleration: float = -0.5,
     bank: float = math.radians(15.0),
 ) -> ModelSet:
-    """Straight flight, slowing down, and a turn to either side at the rate of the bank limit and estimated speed."""
+    """Straight flight, slowing down, and a turn to either side at the rate of the bank limit and estimated speed.
+
+    The switching follows from how long each lasts in a landing pattern: 140 s straight, 23 s slowing down from 69 to
+    58 m/s, 58 s in a turn of 90 deg and its roll. Straight flight ends in either manoeuvre alike, these end in it.
+    """
     return ModelSet(
         (
             ConstantVelocity(straight_density),
@@ -61,12 +72,13 @@ def improved_set(
             ScheduledTurn(-bank, manoeuvre_density),
         ),
         (
-            (0.985, 0.005, 0.005, 0.005),
+            (0.995, 0.0025, 0.00125, 0.00125),
             (0.02, 0.97, 0.005, 0.005),
-            (0.015, 0.005, 0.98, 0.0),
-            (0.015, 0.005, 0.0, 0.98),
+            (0.009, 0.003, 0.988, 0.0),
+            (0.009, 0.003, 0.0, 0.988),
         ),
         (0.7, 0.1, 0.1, 0.1),
+        0.7,
     )
 
 
@@ -94,10 +106,6 @@ class InteractingMultipleModel:
             return self.model_set
         return improved_set(self.straight_density, self.manoeuvre_density, self.acceleration, self.bank)
 
-    @cached_property
-    def _switching(self) -> Any:
-        return np.array(self._set.switching)
-
     @property
     def channels(self) -> tuple[str, ...]:
         return self._set.models[0].channels
@@ -111,7 +119,7 @@ class InteractingMultipleModel:
 
     def step(self, state: Mixture, dt: float, z: Any | None, R: Any | None) -> tuple[Mixture, Innovation | None]:
         if dt > 0.0:  # no time, no switching
-            state = interact(state, self._switching)
+            state = interact(state, switching_over(self._set, dt))
             moved = predict(Gaussian(state.mean, state.cov), *transitions(self._set.models, dt, state.mean))
             state = Mixture(state.weights, moved.mean, moved.cov)
         if z is None:
@@ -121,6 +129,21 @@ class InteractingMultipleModel:
 
     def estimate(self, state: Mixture) -> Mixture:
         return state
+
+
+def switching_over(model_set: ModelSet, dt: float) -> Any:
+    """Switching matrix (M, M) over dt (s)."""
+    periods = 1.0 if model_set.period is None else round(dt / model_set.period, 9)
+    return _power(model_set.switching, periods)
+
+
+@lru_cache(maxsize=256)
+def _power(switching: tuple[tuple[float, ...], ...], periods: float) -> Any:
+    matrix = np.array(switching)
+    if periods.is_integer():
+        return np.linalg.matrix_power(matrix, int(periods))
+    part = np.clip(np.real(fractional_matrix_power(matrix, periods)), 0.0, None)
+    return part / part.sum(axis=1, keepdims=True)
 
 
 def transitions(models: tuple[Motion, ...], dt: float, mean: Any) -> Transition:
@@ -150,7 +173,7 @@ def _side_by_side(matrices: list[Any]) -> Any:
 
 
 def _check(model_set: ModelSet) -> None:
-    models, switching, probabilities = model_set
+    models, switching, probabilities, period = model_set
     count = len(models)
     if not count:
         raise ValueError("a model set needs at least one model")
@@ -165,5 +188,7 @@ def _check(model_set: ModelSet) -> None:
     for i, row in enumerate(switching):
         if abs(sum(row) - 1.0) > 1e-12:
             raise ValueError(f"row {i} of the switching matrix sums to {sum(row):.12g}, not to one")
+    if period is not None and not period > 0.0:
+        raise ValueError("the period of the switching matrix must be positive")
     if abs(sum(probabilities) - 1.0) > 1e-12:
         raise ValueError(f"the initial probabilities sum to {sum(probabilities):.12g}, not to one")
