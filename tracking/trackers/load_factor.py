@@ -1,0 +1,473 @@
+"""Azimuth channel aided by downlinked load factors, in the order of Glistin and Panasyuk.
+
+Nine small filters that do not know of each other's errors: range, elevation and azimuth of a radar, and three load
+factors, bank, path angle and course from the aircraft. The azimuth's second derivative is computed from all the
+others. Each block steps when its own channel is measured - the radar's at the rate of the radar, a downlinked
+quantity between scans for itself alone - and is extrapolated where it is looked at in between.
+
+Axes of the paper (GOST 20058), used in this file only: X along the radar's zero azimuth, Y up, Z to the right; course
+phi counter-clockwise from above, path angle theta up, bank gamma right wing down. Gravity has no horizontal
+component, so the horizontal acceleration needs no term of it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+
+from tracking.gaussian import Gaussian, Innovation, lift, predict, update
+from tracking.measurement import wrap
+from tracking.motion import GRAVITY
+from tracking.trackers.elevation import row_of
+
+Array = Any
+
+RADAR = ("range", "elevation", "azimuth")
+DOWNLINK = (
+    "load_factor_forward",
+    "load_factor_up",
+    "load_factor_right",
+    "aerodynamic_bank",
+    "flight_path_angle",
+    "air_course",
+)
+BLOCKS = (*RADAR, *DOWNLINK)
+ANGLES = frozenset(("elevation", "azimuth", "aerodynamic_bank", "flight_path_angle", "air_course"))
+
+Aid = Literal["published", "intended", "corrected", "corrected_residual"]
+
+
+def horizontal_acceleration(
+    n_xa: Array, n_ya: Array, n_za: Array, gamma: Array, theta: Array, phi: Array
+) -> tuple[Array, Array]:
+    """Acceleration (a_X, a_Z), m/s2, from load factors along the path, up and to the right [Glistin, eq. (1)].
+
+    Load factors belong to the wind axes and the angles to the path through the air: with body axes or the ground
+    track the result is wrong by tenths of m/s2 in a crosswind.
+    """
+    up = n_ya * np.cos(gamma) - n_za * np.sin(gamma)
+    right = n_ya * np.sin(gamma) + n_za * np.cos(gamma)
+    along = n_xa * np.cos(theta) - up * np.sin(theta)
+    return (
+        GRAVITY * (along * np.cos(phi) + right * np.sin(phi)),
+        GRAVITY * (-along * np.sin(phi) + right * np.cos(phi)),
+    )
+
+
+def published_azimuth_acceleration(
+    a_X: Array, a_Z: Array, line_of_sight: Array, distance: Array, elevation: Array
+) -> tuple[Array, Array]:
+    """Azimuth acceleration as printed, and where its radicand had to be clamped [Glistin, eq. (1)].
+
+    The sum of the components is squared, so the value depends on where the axes point; its sign is lost; the
+    acceleration along the line of sight misses the centripetal part, and the Coriolis term is absent. It is here to
+    be measured.
+
+    Erratum: printed a radicand that is negative on half of a base turn, used zero there, because its root is no number.
+    Erratum: first print sets the root's parentheses around the arctangent, used the ratio inside, as in the second
+    print, because an angle over a distance is no angle.
+    """
+    return _root((a_X + a_Z) ** 2, line_of_sight, distance, elevation)
+
+
+def intended_azimuth_acceleration(
+    a_X: Array, a_Z: Array, line_of_sight: Array, distance: Array, elevation: Array
+) -> tuple[Array, Array]:
+    """Azimuth acceleration by the sum of squares that (1) must have meant, and where it was clamped [Glistin, eq. (1)].
+
+    Erratum: printed (a_X + a_Z)^2, used a_X^2 + a_Z^2, because only that does not depend on the axes. Sign, Coriolis
+    and centripetal terms are still missing.
+    """
+    return _root(a_X**2 + a_Z**2, line_of_sight, distance, elevation)
+
+
+def _root(square: Array, line_of_sight: Array, distance: Array, elevation: Array) -> tuple[Array, Array]:
+    radicand = square - (line_of_sight * np.cos(elevation)) ** 2
+    return np.arctan(np.sqrt(np.maximum(radicand, 0.0)) / (distance * np.cos(elevation))), radicand < 0.0
+
+
+def corrected_azimuth_acceleration(
+    a_X: Array,
+    a_Z: Array,
+    azimuth: Array,
+    azimuth_rate: Array,
+    distance: Array,
+    distance_rate: Array,
+    elevation: Array,
+    elevation_rate: Array,
+) -> Array:
+    """Second derivative of the azimuth (rad/s2), from X towards Z, distance slant: exact [Glistin, eq. (1)].
+
+    Erratum: printed an unsigned root without the Coriolis term, used the acceleration across the line of sight less
+    2 rho' w over the horizontal distance rho, because that is the derivative of the azimuth of a point.
+    """
+    rho = distance * np.cos(elevation)
+    rho_rate = distance_rate * np.cos(elevation) - distance * np.sin(elevation) * elevation_rate
+    across = a_Z * np.cos(azimuth) - a_X * np.sin(azimuth)
+    return (across - 2.0 * rho_rate * azimuth_rate) / rho
+
+
+class Block(NamedTuple):
+    """One quantity with its derivatives, as of ``clock`` seconds ago."""
+
+    mean: Array  # (n, *B)
+    cov: Array  # (n, n, *C)
+    clock: Array  # s, () or (*B) where runs missed different measurements
+
+
+class LoadFactorState(NamedTuple):
+    """The nine blocks, the azimuth acceleration last computed (NaN = unaided), and where it had to be clamped."""
+
+    blocks: dict[str, Block]
+    aid: Array  # (*B) rad/s2
+    clamped: Array  # (*B) bool
+
+
+@dataclass(frozen=True)
+class LoadFactor:
+    """Nine decoupled filters, the azimuth driven by the others [Glistin, eqs. (1)-(19) and the algorithms after them].
+
+    Gains come from each block's own Riccati recursion and do not look at the data. The third state of the azimuth
+    block is its acceleration. ``published``, ``intended`` and ``corrected`` set it to the value computed one step
+    earlier, as printed (its gain is then exactly zero); ``corrected_residual`` computes it for now and adds a
+    first-order Markov residual with a gain of its own, of which the others are the limit of no correlation. When the
+    downlink falls silent the residual takes over the last computed value and the block goes on with kinematic noise.
+
+    Erratum: printed eps_o(k) + K in the first three lines of the azimuth block, used the extrapolated values, because
+    the residual is taken against them.
+    Erratum: printed no residual of the bank, used measured minus extrapolated, because its gain multiplies it.
+    Erratum: printed (1 - alpha tau), used exp(-alpha tau), because the first-order form grows without bound when a
+    block has waited longer than 2 / alpha.
+
+    Parameters
+    ----------
+    measured : names of the rows of z: range, azimuth and elevation of one radar, and the six of ``DOWNLINK``.
+    zero_azimuth : course of the radar's zero azimuth, rad clockwise from north.
+    azimuth_density, kinematic_density, range_density : of the unknown part of an acceleration at low frequency, with
+        and without aid; elevation_density, angle_density, load_factor_density (1/s3) : of the noise that drives a rate.
+    dropout : a downlinked quantity that has been silent for longer no longer aids.
+    longest_step : the azimuth is carried on at least so often.
+    """
+
+    measured: Annotated[tuple[str, ...], "given"]
+    zero_azimuth: Annotated[float, "given"]
+    azimuth_acceleration: Aid = "corrected_residual"
+    azimuth_density: Annotated[float, "rad2/s3"] = 2e-9
+    azimuth_correlation_time: Annotated[float, "s"] = 10.0
+    kinematic_density: Annotated[float, "rad2/s3"] = 1e-6
+    kinematic_correlation_time: Annotated[float, "s"] = 20.0
+    range_density: Annotated[float, "m2/s3"] = 2.0
+    range_correlation_time: Annotated[float, "s"] = 20.0
+    elevation_density: Annotated[float, "rad2/s3"] = 1e-8
+    elevation_correlation_time: Annotated[float, "s"] = 50.0
+    angle_density: Annotated[float, "rad2/s3"] = 2e-3
+    load_factor_density: float = 1e-3
+    downlink_correlation_time: Annotated[float, "s"] = 5.0
+    dropout: Annotated[float, "s"] = 2.0
+    longest_step: Annotated[float, "s"] = 1.0
+
+    def __post_init__(self) -> None:
+        for quantity in BLOCKS:
+            row_of(quantity, self.measured)
+        if len({self._name(quantity).rpartition(".")[0] for quantity in RADAR}) != 1:
+            raise ValueError("range, azimuth and elevation must be those of one radar")
+        for name in (
+            "azimuth_correlation_time",
+            "kinematic_correlation_time",
+            "range_correlation_time",
+            "elevation_correlation_time",
+            "downlink_correlation_time",
+            "dropout",
+            "longest_step",
+        ):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be above 0")
+        for name in (
+            "azimuth_density",
+            "kinematic_density",
+            "range_density",
+            "elevation_density",
+            "angle_density",
+            "load_factor_density",
+        ):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} must not be negative")
+
+    def _name(self, quantity: str) -> str:
+        return self.measured[row_of(quantity, self.measured)]
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        names = [self._name(quantity) for quantity in ("range", "azimuth", "elevation")]
+        return tuple(f"{name}{suffix}" for name in names for suffix in ("", "_rate"))
+
+    @cached_property
+    def _rows(self) -> dict[str, int]:
+        return {quantity: row_of(quantity, self.measured) for quantity in BLOCKS}
+
+    @cached_property
+    def _dynamics(self) -> dict[str, tuple[int, float, float]]:
+        """Order, correlation time and density of the driving noise of each block but the azimuth's."""
+        long = self.range_correlation_time
+        blocks = {
+            "range": (3, long, self.range_density / long**2),
+            "elevation": (2, self.elevation_correlation_time, self.elevation_density),
+        }
+        for quantity in DOWNLINK:
+            density = self.angle_density if quantity in ANGLES else self.load_factor_density
+            blocks[quantity] = (2, self.downlink_correlation_time, density)
+        return blocks
+
+    def begin(self, prior: Gaussian) -> LoadFactorState:
+        """Range, azimuth and elevation, each with its rate, at the prior; the downlink not yet heard."""
+        if len(prior.mean) != 6:
+            raise ValueError(f"the prior must have the 6 states {', '.join(self.channels)}")
+        batch = np.ndim(prior.mean) - 1
+        accelerations = {
+            "range": self.range_density / (2.0 * self.range_correlation_time),
+            "azimuth": self.kinematic_density / (2.0 * self.kinematic_correlation_time),
+        }
+        blocks = {}
+        for first, quantity in zip((0, 2, 4), ("range", "azimuth", "elevation"), strict=True):
+            mean, cov = prior.mean[first : first + 2], prior.cov[first : first + 2, first : first + 2]
+            if quantity in accelerations:
+                mean = np.concatenate([mean, np.zeros_like(mean[:1])])
+                larger = np.zeros((3, 3, *cov.shape[2:]))
+                larger[:2, :2], larger[2, 2] = cov, accelerations[quantity]
+                cov = larger
+            blocks[quantity] = Block(mean, cov, 0.0)
+        for quantity in DOWNLINK:
+            _, memory, density = self._dynamics[quantity]
+            level = 1.0 if quantity == "load_factor_up" else 0.0
+            spread = math.pi if quantity == "air_course" else 0.5
+            cov = np.diag([spread**2, 0.5 * density * memory])
+            mean = lift(np.array([level, 0.0]), 1, batch)
+            blocks[quantity] = Block(mean, lift(cov, 2, batch), 2.0 * self.dropout)  # as one silent for too long
+        none = np.full(prior.mean.shape[1:], np.nan)
+        return LoadFactorState(blocks, none, np.zeros(none.shape, dtype=bool))
+
+    def step(
+        self, state: LoadFactorState, dt: float, z: Any | None, R: Any | None
+    ) -> tuple[LoadFactorState, Innovation | None]:
+        blocks = {quantity: block._replace(clock=block.clock + dt) for quantity, block in state.blocks.items()}
+        state = state._replace(blocks=blocks)
+        if z is None:
+            return state, None
+        z = np.asarray(z, dtype=float)
+        present = np.isfinite(z)
+        found: dict[str, Innovation] = {}
+        for quantity, dynamics in self._dynamics.items():
+            row, block = self._rows[quantity], blocks[quantity]
+            heard = present[row]
+            if heard.any():
+                moved = predict(Gaussian(block.mean, block.cov), *_matrices(*dynamics, block.clock))
+                posterior, found[quantity] = self._update(quantity, moved, z, R)
+                blocks[quantity] = _chosen(heard, Block(*posterior, 0.0), block)
+        return self._step_azimuth(state, z, R, present, found)
+
+    def _step_azimuth(
+        self, state: LoadFactorState, z: Array, R: Array, present: Array, found: dict[str, Innovation]
+    ) -> tuple[LoadFactorState, Innovation]:
+        """The azimuth block, carried on where the radar looked, or where it has waited and the downlink spoke."""
+        block = state.blocks["azimuth"]
+        scanned = present[[self._rows[quantity] for quantity in RADAR]].any(axis=0)
+        heard = present[[self._rows[quantity] for quantity in DOWNLINK]].any(axis=0)
+        due = scanned | (heard & (block.clock >= self.longest_step))
+        if due.any():
+            moved, aid, clamped = self._azimuth_now(state)
+            posterior, found["azimuth"] = self._update("azimuth", moved, z, R)
+            blocks = {**state.blocks, "azimuth": _chosen(due, Block(*posterior, 0.0), block)}
+            if self.azimuth_acceleration != "corrected_residual":
+                aid, clamped = self._computed(blocks, posterior.mean, 0.0)
+                aid = np.where(self._silent(blocks, 0.0), np.nan, aid)
+            state = LoadFactorState(
+                blocks, np.where(due, aid, state.aid), np.where(due, clamped & np.isfinite(aid), state.clamped)
+            )
+        return state, self._joint(found, z)
+
+    def estimate(self, state: LoadFactorState) -> Gaussian:
+        """The radar's channels now, block by block."""
+        parts = []
+        for quantity in ("range", "azimuth", "elevation"):
+            if quantity == "azimuth":
+                now, _, _ = self._azimuth_now(state)
+            else:
+                block = state.blocks[quantity]
+                now = predict(Gaussian(block.mean, block.cov), *_matrices(*self._dynamics[quantity], block.clock))
+            parts.append(Gaussian(now.mean[:2], now.cov[:2, :2]))
+        batch = np.broadcast_shapes(*(part.mean.shape[1:] for part in parts))
+        spread = np.broadcast_shapes(*(part.cov.shape[2:] for part in parts))
+        cov = np.zeros((6, 6, *spread))
+        for first, part in zip((0, 2, 4), parts, strict=True):
+            cov[first : first + 2, first : first + 2] = lift(part.cov, 2, len(spread))
+        return Gaussian(np.concatenate([np.broadcast_to(part.mean, (2, *batch)) for part in parts]), cov)
+
+    def _update(self, quantity: str, moved: Gaussian, z: Array, R: Array) -> tuple[Gaussian, Innovation]:
+        row = self._rows[quantity]
+        one = z[row : row + 1]
+        if quantity in ANGLES:
+            one = moved.mean[:1] + wrap(one - moved.mean[:1])
+        return update(moved, one, np.eye(1, len(moved.mean)), np.asarray(R)[row : row + 1, row : row + 1])
+
+    def _joint(self, found: dict[str, Innovation], z: Array) -> Innovation:
+        """All channels' innovations in the order of z; the blocks are independent, so their likelihoods multiply."""
+        white, nis, log_likelihood = np.full(z.shape, np.nan), np.zeros(z.shape[1:]), np.zeros(z.shape[1:])
+        for quantity, innovation in found.items():
+            white[self._rows[quantity]] = innovation.white[0]
+            nis, log_likelihood = nis + innovation.nis, log_likelihood + innovation.log_likelihood
+        return Innovation(white, nis, log_likelihood)
+
+    def _silent(self, blocks: dict[str, Block], ago: Array) -> Array:
+        """Whether a downlinked quantity had been silent for too long, ``ago`` seconds before now."""
+        return np.maximum.reduce([blocks[quantity].clock - ago for quantity in DOWNLINK]) > self.dropout
+
+    def _azimuth_now(self, state: LoadFactorState) -> tuple[Gaussian, Array, Array]:
+        """The azimuth block carried on to now, the computed acceleration behind it, and where that was clamped."""
+        block, aid = state.blocks["azimuth"], state.aid
+        moved = Gaussian(block.mean, block.cov)
+        clamped, left = state.clamped, np.asarray(block.clock, dtype=float)
+        while True:
+            span = np.minimum(left, self.longest_step)
+            left = left - span
+            further = span > 0.0
+            if not further.any():
+                return moved, aid, clamped
+            silent = self._silent(state.blocks, left)
+            by_aid = self._aided(moved, aid, span, left, state.blocks) if not silent.all() else None
+            alone = self._kinematic(moved, span) if silent.any() or by_aid is None else None
+            if by_aid is None or alone is None:
+                later, new, cut = by_aid or (alone, np.full_like(aid, np.nan), clamped)
+            else:
+                later, new, cut = by_aid
+                later, new = _where(silent, alone, later), np.where(silent, np.nan, new)
+            moved = later if further.all() else _where(further, later, moved)
+            aid, clamped = np.where(further, new, aid), np.where(further, cut, clamped)
+
+    def _kinematic(self, gaussian: Gaussian, span: Array) -> Gaussian:
+        """Azimuth with a first-order Markov acceleration: what is left without the downlink."""
+        memory = self.kinematic_correlation_time
+        return predict(gaussian, *_matrices(3, memory, self.kinematic_density / memory**2, span))
+
+    def _aided(
+        self, gaussian: Gaussian, aid: Array, span: Array, left: Array, blocks: dict[str, Block]
+    ) -> tuple[Gaussian, Array, Array]:
+        """Azimuth over ``span`` that ends ``left`` before now, driven by the computed acceleration."""
+        angle, rate, acceleration = gaussian.mean
+        if self.azimuth_acceleration != "corrected_residual":
+            computed, clamped = self._computed(blocks, gaussian.mean, left + span)
+            aid = np.where(np.isnan(aid), computed, aid)
+            F, Q = _printed_azimuth(span, self.azimuth_density)
+            moved = predict(gaussian, F, Q)
+            return (
+                Gaussian(np.stack([*moved.mean[:2], np.broadcast_to(aid, moved.mean[2].shape)]), moved.cov),
+                aid,
+                clamped,
+            )
+        ahead = np.stack([angle + rate * span + 0.5 * acceleration * span**2, rate + acceleration * span, acceleration])
+        computed, clamped = self._computed(blocks, ahead, left)
+        aid = np.where(np.isnan(aid), computed, aid)  # after a silence the residual starts from what is known
+        known = np.stack([(2.0 * aid + computed) * span**2 / 6.0, 0.5 * (aid + computed) * span, computed])
+        memory = self.azimuth_correlation_time
+        residual = Gaussian(np.stack([angle, rate, acceleration - aid]), gaussian.cov)
+        return (
+            predict(residual, *_matrices(3, memory, self.azimuth_density / memory**2, span), known),
+            computed,
+            clamped,
+        )
+
+    def _computed(self, blocks: dict[str, Block], azimuth: Array, ago: Array) -> tuple[Array, Array]:
+        """Azimuth acceleration from the other blocks' estimates, and where it was clamped [Glistin, eq. (1)]."""
+        seen = {}
+        for quantity, (order, memory, _) in self._dynamics.items():
+            block = blocks[quantity]
+            seen[quantity] = _ahead(block.mean, order, memory, np.maximum(block.clock - ago, 0.0))
+        n_x, n_y, n_z, gamma, theta, course = (seen[quantity][0] for quantity in DOWNLINK)
+        a_X, a_Z = horizontal_acceleration(n_x, n_y, n_z, gamma, theta, self.zero_azimuth - course)
+        (distance, distance_rate, line_of_sight), (elevation, elevation_rate) = seen["range"], seen["elevation"]
+        if self.azimuth_acceleration == "published":
+            return published_azimuth_acceleration(a_X, a_Z, line_of_sight, distance, elevation)
+        if self.azimuth_acceleration == "intended":
+            return intended_azimuth_acceleration(a_X, a_Z, line_of_sight, distance, elevation)
+        corrected = corrected_azimuth_acceleration(
+            a_X, a_Z, azimuth[0], azimuth[1], distance, distance_rate, elevation, elevation_rate
+        )
+        return corrected, np.zeros(np.shape(corrected), dtype=bool)
+
+
+# Nodes and weights of Gauss and Legendre on 0..1. A sum of outer products is a covariance whatever the interval, and
+# six points hold ten digits up to an interval of one correlation time.
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+_NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
+
+
+def _response(order: int, memory: float, time: Array) -> list[Array]:
+    """Every state's response to a unit last state that decays with ``memory``."""
+    x = time / memory
+    first = -memory * np.expm1(-x)
+    return [memory * (time - first), first, np.exp(-x)][3 - order :]
+
+
+def _matrices(order: int, memory: float, density: float, dt: Array) -> tuple[Array, Array]:
+    """(F, Q), both (n, n, *B), of a chain of integrators whose last state decays and is driven by white noise."""
+    if np.ndim(dt) == 0:
+        return _matrices_of_one(order, memory, density, float(dt))
+    return _matrices_of(order, memory, density, np.asarray(dt, dtype=float))
+
+
+@lru_cache(maxsize=4096)
+def _matrices_of_one(order: int, memory: float, density: float, dt: float) -> tuple[Array, Array]:
+    F, Q = _matrices_of(order, memory, density, np.asarray(dt))
+    F.flags.writeable = Q.flags.writeable = False
+    return F, Q
+
+
+def _matrices_of(order: int, memory: float, density: float, dt: Array) -> tuple[Array, Array]:
+    F = np.zeros((order, order, *dt.shape))
+    for i in range(order - 1):
+        F[i, i] = 1.0
+    if order == 3:
+        F[0, 1] = dt
+    F[:, -1] = _response(order, memory, dt)
+    g = np.stack(_response(order, memory, dt[..., None] * _NODES))
+    return F, density * dt * np.einsum("i...q,j...q,q->ij...", g, g, _WEIGHTS)
+
+
+def _printed_azimuth(dt: Array, density: float) -> tuple[Array, Array]:
+    """(F, Q) of the azimuth block as printed: its acceleration is replaced, so its gain is exactly zero [Glistin]."""
+    dt = np.asarray(dt, dtype=float)
+    zero, one = np.zeros_like(dt), np.ones_like(dt)
+    F = np.array([[one, dt, 0.5 * dt**2], [zero, one, dt], [zero, zero, zero]])
+    Q = np.array([[zero, zero, zero], [zero, zero, zero], [zero, zero, density / np.where(dt > 0.0, dt, 1.0)]])
+    return F, Q
+
+
+def _ahead(mean: Array, order: int, memory: float, dt: Array) -> tuple[Array, ...]:
+    """The mean of a block dt later."""
+    response = _response(order, memory, dt)
+    last = mean[-1]
+    moved = [mean[i] + response[i] * last for i in range(order - 1)]
+    if order == 3:
+        moved[0] = moved[0] + dt * mean[1]
+    return (*moved, response[-1] * last)
+
+
+def _where(mask: Array, new: Gaussian, old: Gaussian) -> Gaussian:
+    """The new estimate in some runs, the old one in the others."""
+    batch = np.ndim(mask)
+    return Gaussian(
+        np.where(mask, new.mean, old.mean), np.where(mask, lift(new.cov, 2, batch), lift(old.cov, 2, batch))
+    )
+
+
+def _chosen(mask: Array, new: Block, old: Block) -> Block:
+    """The new block in some runs, the old one in the others; as it is where they all agree."""
+    if mask.all():
+        return new
+    if not mask.any():
+        return old
+    gaussian = _where(mask, Gaussian(new.mean, new.cov), Gaussian(old.mean, old.cov))
+    return Block(*gaussian, np.where(mask, new.clock, old.clock))
