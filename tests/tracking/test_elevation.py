@@ -337,9 +337,9 @@ def test_smallest_number_of_runs(confidence, interval, band):
 )
 def test_parameters_out_of_range_are_refused(fields, sentence):
     with pytest.raises(ValueError, match=sentence):
-        Elevation(**fields)
+        Elevation(**({"measured": ("mls.elevation",)} | fields))
 
 
 def test_a_prior_of_another_order_is_refused():
     with pytest.raises(ValueError, match="2 states"):
-        Elevation().begin(Gaussian(np.zeros(3), np.eye(3)))
+        Elevation(("mls.elevation",)).begin(Gaussian(np.zeros(3), np.eye(3)))
