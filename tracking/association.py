@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from scipy.stats import chi2
 
+from tracking.consistency import chi_square
 from tracking.gaussian import Gaussian, Innovation, Mixture, lift, merge, reweigh
 from tracking.track import Tracker
 
@@ -72,7 +72,7 @@ class ProbabilisticDataAssociation:
         if not hits:
             return missed, None
         white = np.stack([innovation.white for _, innovation in hits])  # (c, m, *B)
-        limit = chi2.ppf(self.gate_probability, white.shape[1])
+        limit = chi_square(self.gate_probability, white.shape[1])
         nis = np.stack([innovation.nis for _, innovation in hits])
         inside = np.isfinite(white).all(axis=1) & (nis <= limit)
         score = np.stack([innovation.log_likelihood for _, innovation in hits])

@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import stats
+from scipy import special  # type: ignore[import-untyped]
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, _cholesky, _forward, merge
 
@@ -70,7 +70,7 @@ def mean_interval(samples: Array, level: float = 0.95) -> Interval:
     mean = float(samples.mean())
     if count == 1:
         return Interval(mean, math.nan, math.nan, 1)
-    half = float(stats.t.ppf(0.5 + 0.5 * level, count - 1) * samples.std(ddof=1) / math.sqrt(count))
+    half = float(special.stdtrit(count - 1, 0.5 + 0.5 * level) * samples.std(ddof=1) / math.sqrt(count))
     return Interval(mean, mean - half, mean + half, count)
 
 
@@ -92,7 +92,7 @@ def rmse(mean_squares: Array, level: float = 0.95) -> Interval:
     if spread <= 1e-24 * mean * mean:  # all runs alike
         return Interval(value, value, value, count)
     freedom = 2.0 * mean * mean * count / spread
-    low, high = stats.chi2.ppf([0.5 - 0.5 * level, 0.5 + 0.5 * level], freedom)
+    low, high = (chi_square(0.5 + side * level, freedom) for side in (-0.5, 0.5))
     return Interval(value, math.sqrt(mean * freedom / high), math.sqrt(mean * freedom / low), count)
 
 
@@ -115,7 +115,7 @@ def gain(reference: Array, improved: Array, level: float = 0.95) -> Interval:
     if count == 1 or top == 0.0:
         return Interval(ratio, math.nan, math.nan, count)
     influence = 0.5 * (reference / top - improved / bottom)
-    half = float(stats.t.ppf(0.5 + 0.5 * level, count - 1) * influence.std(ddof=1) / math.sqrt(count))
+    half = float(special.stdtrit(count - 1, 0.5 + 0.5 * level) * influence.std(ddof=1) / math.sqrt(count))
     return Interval(ratio, ratio * math.exp(-half), ratio * math.exp(half), count)
 
 
@@ -129,7 +129,7 @@ def proportion(count: int, trials: int, level: float = 0.95) -> Interval:
     if trials == 0:
         return Interval(math.nan, math.nan, math.nan, 0)
     share = count / trials
-    z = float(stats.norm.ppf(0.5 + 0.5 * level))
+    z = float(special.ndtri(0.5 + 0.5 * level))
     denominator = 1.0 + z * z / trials
     centre = (share + 0.5 * z * z / trials) / denominator
     half = z / denominator * math.sqrt(share * (1.0 - share) / trials + 0.25 * z * z / trials**2)
@@ -165,11 +165,15 @@ def bootstrap(
 # --------------------------------------------------------------------------------- bands of a consistent tracker
 
 
+def chi_square(probability: float, degrees: float) -> float:
+    """Value below which a chi-square variable stays with this probability."""
+    return float(2.0 * special.gammaincinv(0.5 * degrees, probability))
+
+
 def mean_square_band(degrees: int, runs: int, level: float = 0.95) -> tuple[float, float]:
     """Band of ANEES / n or ANIS / m at one epoch: chi-square with ``degrees`` = n or m per run, over its mean."""
     freedom = degrees * runs
-    low, high = stats.chi2.ppf([0.5 - 0.5 * level, 0.5 + 0.5 * level], freedom) / freedom
-    return float(low), float(high)
+    return chi_square(0.5 - 0.5 * level, freedom) / freedom, chi_square(0.5 + 0.5 * level, freedom) / freedom
 
 
 def rmse_band(runs: int, level: float = 0.95) -> tuple[float, float]:
@@ -180,7 +184,7 @@ def rmse_band(runs: int, level: float = 0.95) -> tuple[float, float]:
 
 def correlation_band(samples: int, level: float = 0.95) -> float:
     """Largest correlation of white innovations over so many runs, or over so many epochs of one run."""
-    return float(stats.norm.ppf(0.5 + 0.5 * level) / math.sqrt(samples))
+    return float(special.ndtri(0.5 + 0.5 * level) / math.sqrt(samples))
 
 
 def autocorrelation(white: Array, lags: int) -> Array:
@@ -414,7 +418,7 @@ def _unbiased_epochs(epochs: tuple[EpochSums, ...], level: float) -> Interval:
         if epoch.runs:
             bias = epoch.error / math.sqrt(epoch.runs)
             square = float(normalised_error(Gaussian(bias, epoch.cov / epoch.runs), np.zeros(len(bias))))
-            inside += int(square <= stats.chi2.ppf(level, len(bias)))
+            inside += int(square <= chi_square(level, len(bias)))
             trials += 1
     return proportion(inside, trials, level)
 
@@ -443,13 +447,13 @@ def _no_runs(n: int, count: int) -> RunSums:
 
 @lru_cache
 def _lost_square(degrees: int) -> float:
-    return float(stats.chi2.isf(LOST_PROBABILITY, degrees))
+    return float(2.0 * special.gammainccinv(0.5 * degrees, LOST_PROBABILITY))
 
 
 @lru_cache
 def _ellipses(degrees: int) -> Array:
     """Chi-square limits (levels, 1) of the coverage ellipses."""
-    return stats.chi2.ppf(np.array(LEVELS), degrees)[:, None]
+    return np.array([[chi_square(level, degrees)] for level in LEVELS])
 
 
 def _finite(samples: Array) -> Array:

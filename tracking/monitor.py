@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from scipy.special import gammaincc
+from scipy.special import gammaincc  # type: ignore[import-untyped]
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, merge
 from tracking.track import Tracker

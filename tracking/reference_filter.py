@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, lift, predict, update_mixture
 from tracking.measurement import MeasurementModel
-from tracking.trackers.imm import ModelSet, transitions
+from tracking.trackers.imm import ModelSet, switching_over, transitions
 
 Array = Any
 
@@ -47,10 +46,6 @@ class ReferenceFilter:
     def __post_init__(self) -> None:
         if self.histories < 1:
             raise ValueError("histories must be at least 1")
-
-    @cached_property
-    def _switching(self) -> Array:
-        return np.array(self.model_set.switching)
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -83,7 +78,7 @@ class ReferenceFilter:
         """Each history continued in each mode: children in the order (mode, parent)."""
         models = self.model_set.models
         count, parents, batch = len(models), mixture.mean.shape[1], mixture.mean.ndim - 2
-        weights = np.moveaxis(self._switching[mode], -1, 0) * mixture.weights
+        weights = np.moveaxis(switching_over(self.model_set, dt)[mode], -1, 0) * mixture.weights
         weights = weights.reshape(-1, *weights.shape[2:])
         mean = np.repeat(mixture.mean[:, None], count, axis=1)
         F, Q, u = transitions(models, dt, mean)

@@ -20,7 +20,7 @@ import numpy as np
 from tracking.gaussian import Gaussian, Mixture, interact, lift, merge, predict, reweigh, update, update_mixture
 from tracking.motion import Motion
 from tracking.track import Epoch, Measurements, Track, follow, track
-from tracking.trackers.imm import InteractingMultipleModel, transitions
+from tracking.trackers.imm import InteractingMultipleModel, switching_over, transitions
 
 Array = Any
 
@@ -81,7 +81,7 @@ def smooth_models(
     if lag is not None and lag < 0:
         raise ValueError("lag must not be negative")
     epochs = list(follow(tracker, measurements, prior, start))
-    filtered = [epoch.estimate for epoch in epochs]
+    filtered = [_mixture(epoch) for epoch in epochs]
     ahead = [_diffuse(estimate) for estimate in filtered]
     steps = [_Step(tracker, measurements, *pair) for pair in pairwise(epochs)]
     if lag is None:
@@ -156,12 +156,13 @@ class _Step:
         if dt <= 0.0:  # no time, no motion and no switching
             return ahead
         model_set = self.tracker._set
-        mixed = interact(self.before.estimate, np.array(model_set.switching)).mean  # where the filter linearised
+        switching = switching_over(model_set, dt)
+        mixed = interact(_mixture(self.before), switching).mean  # where the filter linearised
         F, Q, u = transitions(model_set.models, dt, mixed)
         inverse = _solve(F, lift(np.eye(len(F)), 2, F.ndim - 2))
         mean = ahead.mean if u is None else ahead.mean - u
         moved = predict(Gaussian(mean, ahead.cov), inverse, _congruent(inverse, Q))
-        mixture = interact(Mixture(ahead.weights, moved.mean, moved.cov), np.array(model_set.switching).T)
+        mixture = interact(Mixture(ahead.weights, moved.mean, moved.cov), switching.T)
         return mixture._replace(weights=mixture.weights / mixture.weights.sum(axis=0))
 
     def _measured(self, ahead: Mixture) -> Mixture:
@@ -170,8 +171,14 @@ class _Step:
         if np.isnan(z).all():
             return ahead
         R = lift(self.measurements.R[self.after.row], 2, z.ndim - 1)
-        found = merge(self.after.estimate).mean
+        found = merge(_mixture(self.after)).mean
         return update_mixture(ahead, *self.tracker.measurement.linearise(z, R, found))[0]
+
+
+def _mixture(epoch: Epoch) -> Mixture:
+    """The estimate of an epoch of an IMM."""
+    assert isinstance(epoch.estimate, Mixture)
+    return epoch.estimate
 
 
 def _diffuse(filtered: Mixture) -> Mixture:

@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
-from scipy.stats import chi2
 
+from tracking.consistency import chi_square
 from tracking.gaussian import Gaussian, Innovation, predict, update
 from tracking.measurement import MeasurementModel
 from tracking.motion import ConstantVelocity, Motion
@@ -35,7 +35,7 @@ class Gated:
     def _limits(self) -> Any:
         """Largest NIS by the number of channels present."""
         rows = self.measurement.rows
-        return np.array([0.0, *chi2.ppf(self.gate_probability, np.arange(1, rows + 1))])
+        return np.array([0.0, *(chi_square(self.gate_probability, degrees) for degrees in range(1, rows + 1))])
 
     @property
     def channels(self) -> tuple[str, ...]:
