@@ -1,0 +1,184 @@
+"""The decided structure, read from the source: who imports whom, where units and randomness live."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from aircraft.units import SUFFIXES
+
+ROOT = Path(__file__).resolve().parent.parent
+OURS = ("aircraft", "autopilot", "tracking", "sim")
+
+# package -> what of ours it may import besides itself; "sim" may import all
+MAY_IMPORT = {"aircraft": (), "tracking": (), "autopilot": ("aircraft.state", "aircraft.units")}
+
+# outside package -> where it may be imported
+CONFINED = {
+    "jsbsim": ("aircraft/",),
+    "control": ("autopilot/",),
+    "filterpy": ("tracking/filterpy_adapter.py",),
+    "matplotlib": ("sim/reporting/",),
+    "jinja2": ("sim/reporting/",),
+}
+HEAVY = (*CONFINED, "scipy")  # what a user who asks for help should not wait for
+
+# where values have the units of a file, a property or a page
+EDGES = (
+    "aircraft/units.py",
+    "aircraft/properties.py",
+    "aircraft/models/",
+    "sim/cli.py",
+    "sim/scenario.py",
+    "sim/reporting/",
+)
+QUANTITIES = {"wind_at_20_ft"}  # the name that the specification gives it; its unit is m/s
+
+# numpy.random is named, not used, where a Generator is passed; only these make one
+RANDOMNESS = {
+    "sim/randomness.py": "the streams of every draw",
+    "tracking/operations.py": "any dense numbers do, the count of operations does not depend on them",
+}
+
+
+def sources() -> Iterator[tuple[str, ast.Module]]:
+    """(path from the root, syntax tree) of every module of ours."""
+    for package in OURS:
+        for path in sorted((ROOT / package).rglob("*.py")):
+            yield path.relative_to(ROOT).as_posix(), ast.parse(path.read_text())
+
+
+def imports(tree: ast.Module) -> Iterator[str]:
+    """Every module that a module imports, wherever in it."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "imports are absolute"
+            yield node.module or ""
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def dotted(node: ast.expr) -> str:
+    """``numpy.random.normal`` of an attribute chain, else ''."""
+    if isinstance(node, ast.Name):
+        return node.id
+    if isinstance(node, ast.Attribute):
+        inner = dotted(node.value)
+        return f"{inner}.{node.attr}" if inner else ""
+    return ""
+
+
+def names(tree: ast.Module) -> Iterator[str]:
+    """Identifiers that a module gives to its values."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id
+        elif isinstance(node, ast.arg):
+            yield node.arg
+        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+            yield node.name
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node.attr
+
+
+def test_packages_depend_in_one_direction():
+    wrong = [
+        f"{path} imports {module}"
+        for path, tree in sources()
+        for module in imports(tree)
+        if path.split("/")[0] in MAY_IMPORT
+        and module.split(".")[0] in OURS
+        and module.split(".")[0] != path.split("/")[0]
+        and not any(f"{module}.".startswith(f"{allowed}.") for allowed in MAY_IMPORT[path.split("/")[0]])
+    ]
+    assert not wrong
+
+
+def test_outside_packages_stay_where_they_belong():
+    wrong = [
+        f"{path} imports {module}"
+        for path, tree in sources()
+        for module in imports(tree)
+        if module.split(".")[0] in CONFINED and not path.startswith(CONFINED[module.split(".")[0]])
+    ]
+    assert not wrong
+
+
+def test_unit_suffixes_occur_only_at_the_edges():
+    endings = tuple(f"_{suffix}" for suffix in SUFFIXES)
+    wrong = {
+        f"{path}: {name}"
+        for path, tree in sources()
+        if not path.startswith(EDGES)
+        for name in names(tree)
+        if name.lower().endswith(endings) and name.strip("_") not in QUANTITIES
+    }
+    assert not wrong
+
+
+def test_nothing_draws_from_a_generator_of_its_own():
+    """A module may name numpy's Generator type; making one, or drawing from the global one, is for randomness only."""
+    wrong = []
+    for path, tree in sources():
+        if path in RANDOMNESS:
+            continue
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call):
+                called = dotted(node.func)
+                if called.startswith(("np.random.", "numpy.random.", "random.")) or called == "default_rng":
+                    wrong.append(f"{path}:{node.lineno} {called}")
+        wrong += [f"{path} imports {module}" for module in imports(tree) if module in ("random", "secrets")]
+    assert not wrong
+
+
+def test_aircraft_files_hold_no_gains():
+    """Every gain is designed from the linear model; an aircraft's file says what it is, not how to fly it."""
+
+    def keys(table: dict[str, object], above: str = "") -> Iterator[str]:
+        for key, value in table.items():
+            yield above + key
+            if isinstance(value, dict):
+                yield from keys(value, f"{above}{key}.")
+
+    files = sorted((ROOT / "aircraft" / "models").glob("*/*.toml"))
+    assert files, "there is an aircraft of our own"
+    words = ("gain", "k1", "k2", "k3", "k4", "kp", "ki", "kd", "integral", "proportional", "bandwidth", "autopilot")
+    wrong = [
+        f"{path.name}: {key}"
+        for path in files
+        for key in keys(tomllib.loads(path.read_text()))
+        if any(part in words for part in key.lower().replace(".", "_").split("_"))
+    ]
+    assert not wrong
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import sim",
+        "import sys, runpy; sys.argv = ['shortfinal', '--help']; runpy.run_module('sim', run_name='__main__')",
+    ],
+    ids=["import sim", "--help"],
+)
+def test_nothing_heavy_is_imported_before_it_is_needed(code):
+    """jsbsim, matplotlib, control, filterpy and scipy cost seconds; asking for help costs none of them."""
+    report = f"import atexit, sys; atexit.register(lambda: print('LOADED', [m for m in {HEAVY!r} if m in sys.modules]))"
+    done = subprocess.run(
+        [sys.executable, "-c", f"{report}\n{code}"], cwd=ROOT, capture_output=True, text=True, timeout=60
+    )
+    assert done.stdout.splitlines()[-1] == "LOADED []", done.stdout[-500:] + done.stderr[-500:]
+
+
+def test_the_walls_can_be_felt():
+    """What these tests look for is found where it is: a broken reader would let everything pass."""
+    tree = ast.parse("import jsbsim\nfrom sim.flight import Flight\ndef f(speed_kt): return np.random.normal()")
+    assert {"jsbsim", "sim.flight", "sim.flight.Flight"} == set(imports(tree))
+    assert "speed_kt" in set(names(tree))
+    assert [dotted(n.func) for n in ast.walk(tree) if isinstance(n, ast.Call)] == ["np.random.normal"]
