@@ -172,10 +172,13 @@ class Airframe:
             write(value / factor)
         self._command(initial.controls)
         self._executive.set_trim_status(True)
-        for _ in range(3):  # the rate of the angle of attack is one frame old
-            self._executive.run_ic()
-            if self._needs_spinning_up:
-                self._engines.get_steady_state()
+        try:
+            for _ in range(3):  # the rate of the angle of attack is one frame old
+                self._executive.run_ic()
+                if self._needs_spinning_up:
+                    self._engines.get_steady_state()
+        except jsbsim.BaseError as error:
+            raise FlightError(f"the model cannot begin a flight: {_sentence([str(error)])}") from None
         self._executive.set_trim_status(False)
         self._specific_force = properties.POUND_PER_SLUG / self._mass()
         self._last = None
@@ -339,8 +342,8 @@ def load(
     has_propellers = any(tree.tag == "propeller" for tree in source.files.values())
     try:
         return Airframe(executive, aircraft, runway or Runway(), _main_gear(source.root), has_propellers)
-    except Exception as error:  # KeyError of ours, or JSBSim's own, which has no common base
-        raise ModelError(f"'{source.name}' cannot be used: {_sentence([str(error)])}") from None
+    except (KeyError, jsbsim.BaseError) as error:
+        raise ModelError(f"'{source.name}' cannot be used: {_sentence([*map(str, error.args)])}") from None
 
 
 def _executive(source: model_files.Model) -> Any:
@@ -352,7 +355,7 @@ def _executive(source: model_files.Model) -> Any:
         executive = jsbsim.FGFDMExec(str(root))
         try:
             loaded = executive.load_planet(str(planet), False) and executive.load_model(source.name)
-        except Exception as error:
+        except jsbsim.BaseError as error:
             raise ModelError(f"JSBSim cannot load '{source.name}': {_sentence([str(error)])}") from None
         if not loaded:
             raise ModelError(f"JSBSim cannot load '{source.name}': {_sentence(said)}")

@@ -18,7 +18,13 @@ from typing import NamedTuple
 OWN_MODELS = Path(__file__).parent / "models"
 LARGEST_FILE = 4_000_000  # bytes; the largest stock file has 0.3 MB
 MOST_FILES = 100
-REFUSED_PROPERTIES = ("simulation/write-state-file", "simulation/force-output")
+REFUSED_PROPERTIES = (  # they write files, or stop time
+    "simulation/write-state-file",
+    "simulation/force-output",
+    "simulation/pause",
+    "simulation/reset",
+    "simulation/do_",
+)
 
 
 class ModelError(ValueError):
@@ -127,7 +133,7 @@ def _parse(path: Path, home: Path) -> ElementTree.Element:
     for element in root.iter():
         for text in (element.text or "", *element.attrib.values()):
             if any(name in text for name in REFUSED_PROPERTIES):
-                raise ModelError(f"'{path.name}' uses a property that writes files: '{text.strip()}'")
+                raise ModelError(f"'{path.name}' uses a property that steers the simulator: '{text.strip()}'")
     return root
 
 

@@ -85,7 +85,7 @@ def test_control_systems_keep_the_inputs_that_only_name_a_property():
         (own('<system file="/etc/passwd"/>'), "leaves the folder"),
         (own('<system file="C:\\secret"/>'), "leaves the folder"),
         (own('<system file="nowhere"/>'), "does not exist"),
-        (own("<system><property>simulation/write-state-file</property></system>"), "writes files"),
+        (own("<system><property>simulation/write-state-file</property></system>"), "steers the simulator"),
         (own().replace("<axis", "<no-axis>", 1), "not well-formed"),
         ("<fdm_config/>", "JSBSim cannot load|no complete"),
     ],
