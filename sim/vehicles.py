@@ -54,10 +54,13 @@ class Vehicle(Protocol):
 class JsbsimBody:
     """A flight in progress: the airframe, its loops and what was last read."""
 
-    __slots__ = ("airframe", "loops", "state", "wind")
+    __slots__ = ("airframe", "inner_loops", "loops", "state", "wind")
 
-    def __init__(self, airframe: Airframe, loops: LoopState, state: AircraftState, wind: Wind | None) -> None:
+    def __init__(
+        self, airframe: Airframe, inner_loops: InnerLoops, loops: LoopState, state: AircraftState, wind: Wind | None
+    ) -> None:
         self.airframe = airframe
+        self.inner_loops = inner_loops
         self.loops = loops
         self.state = state
         self.wind = wind
@@ -91,15 +94,16 @@ class JsbsimVehicle:
         across = moving[1] * math.cos(initial.course) - moving[0] * math.sin(initial.course)
         heading = initial.course - math.asin(max(-1.0, min(across / initial.airspeed, 1.0)))
         state = airframe.begin(steady.at(initial.north, initial.east, initial.height, heading), moving)
-        return JsbsimBody(airframe, InnerLoops(self.designed).begin(state), state, wind)
+        inner_loops = InnerLoops(self.designed)
+        return JsbsimBody(airframe, inner_loops, inner_loops.begin(state), state, wind)
 
     def step(self, state: JsbsimBody, command: Command, dt: float) -> JsbsimBody:
         """Fly ``dt`` seconds, a multiple of the step of the equations of motion."""
-        body, airframe = state, state.airframe
-        body.loops, controls = InnerLoops(self.designed).step(body.loops, command, body.state, dt)
-        airframe.step(controls, round(dt * RATE), body.wind)
-        body.state = airframe.read()
-        return body
+        airframe = state.airframe
+        state.loops, controls = state.inner_loops.step(state.loops, command, state.state, dt)
+        airframe.step(controls, round(dt * RATE), state.wind)
+        state.state = airframe.read()
+        return state
 
     def read(self, state: JsbsimBody) -> AircraftState:
         """What was read at the end of the last step."""
