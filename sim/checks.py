@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
 from sim.errors import ScenarioError, did_you_mean
 from sim.flight import RECORD_STEP, Flight
@@ -139,12 +138,12 @@ def _worst(signal: np.ndarray, time: np.ndarray, check: Check) -> tuple[float, f
         width = round(5.0 / RECORD_STEP)
         if len(signal) < width:
             return None
-        signal, time = uniform_filter1d(signal, width)[width // 2 : len(signal) - width // 2], time[width - 1 :]
-        time = time[: len(signal)]
+        total = np.concatenate(([0.0], np.cumsum(signal)))
+        signal, time = (total[width:] - total[:-width]) / width, time[width - 1 :]
     lasting = round(check.for_ / RECORD_STEP) + 1
     if len(signal) < lasting:
         return None
     # value that holds over [t, t + for_s] = the minimum over that window; valid windows only
-    held = minimum_filter1d(signal, lasting, origin=-(lasting // 2))[: len(signal) - lasting + 1]
+    held = np.lib.stride_tricks.sliding_window_view(signal, lasting).min(axis=1)
     worst = int(np.argmax(held))
     return float(held[worst]), float(time[worst])

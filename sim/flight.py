@@ -54,14 +54,7 @@ class Flight:
     def wind(self) -> np.ndarray:
         """(3, k) m/s north, east, up: the way the air moves, from the velocity over the ground and through the air."""
         s = self.state
-        level = s.airspeed * np.cos(s.flight_path_angle)
-        return np.stack(
-            (
-                s.velocity_north - level * np.cos(s.air_course),
-                s.velocity_east - level * np.sin(s.air_course),
-                s.velocity_up - s.airspeed * np.sin(s.flight_path_angle),
-            )
-        )
+        return np.array((s.velocity_north, s.velocity_east, s.velocity_up)) - np.array(s.air_velocity)
 
     def during(self, phases: str | tuple[str, ...]) -> np.ndarray:
         """(k,) bool: where one of the phases was flown; ``all`` is everywhere, ``gate`` the glide path below 300 m."""

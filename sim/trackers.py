@@ -16,7 +16,6 @@ from sim.parameters import GIVEN, construct
 from sim.preparation import Prepared
 from sim.randomness import stream
 from sim.scenario import TrackerChoice
-from tracking import consistency
 from tracking.gaussian import Gaussian
 from tracking.measurement import DebiasedPolar, LinearMeasurement, Stacked
 from tracking.motion import CARTESIAN
@@ -161,6 +160,8 @@ def _follow(prepared: Prepared, flight: Flight, name: str, tracker: Any, record:
 
 
 def _judge(prepared: Prepared, flight: Flight, sensors: tuple[str, ...], tracked: Tracked) -> dict[str, Any]:
+    from tracking import consistency  # imports scipy.stats, which a run without trackers does not need
+
     truth = channels.truth_at(flight, tracked.track.time)
     cov = tracked.track.cov if tracked.track.cov.ndim == 4 else tracked.track.cov[..., None]
     errors = channels.compare(flight, truth, tracked.track.channels, tracked.track.mean, cov)
@@ -190,6 +191,8 @@ def _judge(prepared: Prepared, flight: Flight, sensors: tuple[str, ...], tracked
 
 def _figure(squares: np.ndarray, raw: np.ndarray) -> dict[str, float | None]:
     """RMSE over epochs and draws with an interval over draws, beside that of the raw measurements."""
+    from tracking import consistency
+
     finite = np.isfinite(raw)
     if not finite.any():
         return {"rmse": None, "low": None, "high": None, "raw": None, "gain": None}
