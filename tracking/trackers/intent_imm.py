@@ -45,7 +45,7 @@ class IntentImm:
     law_density: Annotated[float, "m2/s3"] = 0.1
     straight_density: Annotated[float, "m2/s3"] = 0.05
     manoeuvre_density: Annotated[float, "m2/s3"] = 3.0
-    sub_step: Annotated[float, "s"] = 0.2
+    sub_step: Annotated[float, "s"] = 0.5
 
     def __post_init__(self) -> None:
         if not self.limit_factors or not all(factor > 0.0 for factor in self.limit_factors):
@@ -76,6 +76,11 @@ class IntentImm:
     def limits(self) -> Any:
         """The position limit of each law of the bank, in the order of `modes`."""
         return getattr(self.law, self._limit) * np.array(self.limit_factors)
+
+    def flown_limit(self, estimate: Mixture) -> Any:
+        """The position limit that is flown (*B): geometric mean over the bank, given that a law is flown at all."""
+        belief = estimate.weights[: len(self.limit_factors)]
+        return np.exp(np.einsum("m...,m->...", belief, np.log(self.limits)) / belief.sum(axis=0))
 
     def bank(self, batch: int) -> Law:
         """The laws as one, their axis before ``batch`` axes of runs.
@@ -112,13 +117,11 @@ class IntentImm:
     def _predict(self, state: Intent, dt: float) -> Intent:
         weights, mean, cov = interact(state.mixture, self._switching(dt))
         laws = len(self.limit_factors)
-        flown, places = self._fly(Gaussian(mean[:, :laws], cov[:, :, :laws]), state.place, dt)
+        flown, place = self._fly(Mixture(weights[:laws], mean[:, :laws], cov[:, :, :laws]), state.place, dt)
         free = self._coast(Gaussian(mean[:, laws:], cov[:, :, laws:]), dt)
         means = np.concatenate([flown.mean, free.mean], axis=1)
         shape = np.broadcast_shapes(flown.cov.shape[3:], free.cov.shape[3:])
         covs = [np.broadcast_to(part.cov, (*part.cov.shape[:3], *shape)) for part in (flown, free)]
-        likeliest = weights[:laws].argmax(axis=0)
-        place = np.take_along_axis(places, likeliest[None], axis=0)[0]
         return Intent(Mixture(weights, means, np.concatenate(covs, axis=2)), place)
 
     def _switching(self, dt: float) -> Any:
@@ -127,17 +130,18 @@ class IntentImm:
         stay = math.exp(-dt * count / ((count - 1) * self.mean_stay))
         return stay * np.eye(count) + (1.0 - stay) / count
 
-    def _fly(self, gaussian: Gaussian, place: Any, dt: float) -> tuple[Gaussian, Any]:
-        """Every law from the common place; each then finds its own way along the path."""
-        runs = gaussian.mean.shape[2:]
-        law = self.bank(len(runs))
+    def _fly(self, laws: Mixture, place: Any, dt: float) -> tuple[Gaussian, Any]:
+        """Every law by itself, all from the place on the path that their common estimate has."""
+        law = self.bank(laws.mean.ndim - 2)
         forward: Any = law_ekf.advance if isinstance(self._path, Line) else route_control.autonomous
+        share = laws.weights / laws.weights.sum(axis=0)
+        gaussian = Gaussian(laws.mean, laws.cov)
         count, step = sub_steps(dt, self.sub_step)
-        Q = lift(uniform(self._path, step, self.law_density)[1], 2, gaussian.cov.ndim - 2)
-        state = Placed(gaussian, np.broadcast_to(place, (len(self.limit_factors), *runs)))
+        Q = lift(uniform(self._path, step, self.law_density)[1], 2, laws.cov.ndim - 2)
         for _ in range(count):
-            state = forward(law, self._path, state, step, Q)
-        return state.gaussian, state.place
+            gaussian = forward(law, self._path, Placed(gaussian, place), step, Q)
+            place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), step)
+        return gaussian, place
 
     def _coast(self, gaussian: Gaussian, dt: float) -> Gaussian:
         """Free flight, straight and manoeuvring."""

@@ -58,7 +58,8 @@ class LawEkf:
             count, step = sub_steps(dt, self.sub_step)
             _, Q = uniform(self._path, step, self.acceleration_density)
             for _ in range(count):
-                state = advance(self.law, self._path, state, step, Q)
+                gaussian = advance(self.law, self._path, state, step, Q)
+                state = Placed(gaussian, self._path.advance(state.place, gaussian.mean, step))
         if z is None:
             return state, None
         gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
@@ -68,11 +69,10 @@ class LawEkf:
         return state.gaussian
 
 
-def advance(law: Law, path: ReferencePath, state: Placed, dt: float, Q: Any) -> Placed:
-    """State after one sub-step with the control held, and the covariance that belongs to it."""
-    gaussian, place = state
-    control = steering(law, path, place, gaussian.mean)
-    normal = path.normal(place)
+def advance(law: Law, path: ReferencePath, state: Placed, dt: float, Q: Any) -> Gaussian:
+    """Estimate after one sub-step with the control held, and the covariance that belongs to it."""
+    mean = state.gaussian.mean
+    control = steering(law, path, state.place, mean)
+    normal = path.normal(state.place)
     F = embed(normal, folded(control, dt), constant_velocity(dt, 0.0)[0])
-    mean = push(normal, gaussian.mean, GRAVITY * control.bank, dt)
-    return Placed(predict(gaussian, F, Q)._replace(mean=mean), path.advance(place, mean, dt))
+    return predict(state.gaussian, F, Q)._replace(mean=push(normal, mean, GRAVITY * control.bank, dt))

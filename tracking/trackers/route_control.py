@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from tracking.gaussian import Gaussian, Innovation, predict, update
+from tracking.gaussian import Gaussian, Innovation, lift, predict, update
 from tracking.measurement import MeasurementModel
 from tracking.motion import CARTESIAN, GRAVITY, course_kinematics
 from tracking.reference_path import Law, Legs, Placed, check_tuning, steering, sub_steps, uniform
@@ -31,7 +31,7 @@ class RouteControl:
     measurement: Annotated[MeasurementModel, "given"]
     covariance: Literal["known_control", "jacobian"] = "known_control"
     acceleration_density: Annotated[float, "m2/s3"] = 0.1
-    sub_step: Annotated[float, "s"] = 0.2
+    sub_step: Annotated[float, "s"] = 0.5
 
     channels = CARTESIAN
 
@@ -53,7 +53,8 @@ class RouteControl:
             _, Q = uniform(self._path, step, self.acceleration_density)
             forward = known_control if self.covariance == "known_control" else autonomous
             for _ in range(count):
-                state = forward(self.law, self._path, state, step, Q)
+                gaussian = forward(self.law, self._path, state, step, Q)
+                state = Placed(gaussian, self._path.advance(state.place, gaussian.mean, step))
         if z is None:
             return state, None
         gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
@@ -63,20 +64,22 @@ class RouteControl:
         return state.gaussian
 
 
-def known_control(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Placed:
-    """State after one sub-step; the bank is an input of the covariance."""
-    gaussian, leg = state
-    bank = law(path.deviation(leg, gaussian.mean))
-    mean, F = course_kinematics(gaussian.mean, bank, dt)
-    return Placed(predict(gaussian, F, Q)._replace(mean=mean), path.advance(leg, mean, dt))
+def known_control(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Gaussian:
+    """Estimate after one sub-step; the bank is an input of the covariance."""
+    bank = law(path.deviation(state.place, state.gaussian.mean))
+    mean, F = course_kinematics(state.gaussian.mean, bank, dt)
+    return predict(state.gaussian, F, Q)._replace(mean=mean)
 
 
-def autonomous(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Placed:
-    """State after one sub-step; the bank is a function of the state that F carries."""
-    gaussian, leg = state
-    control = steering(law, path, leg, gaussian.mean)
-    mean, F = course_kinematics(gaussian.mean, control.bank, dt)
-    normal = path.normal(leg)
+def autonomous(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Gaussian:
+    """Estimate after one sub-step; the bank is a function of the state that F carries.
+
+    The slope is the one across the leg: along it only the beacon law changes, by the ratio of cross-track to distance
+    less.
+    """
+    control = steering(law, path, state.place, state.gaussian.mean)
+    mean, F = course_kinematics(state.gaussian.mean, control.bank, dt)
+    normal = lift(path.normal(state.place), 1, mean.ndim - 1)
     gradient = np.empty(np.broadcast_shapes(mean.shape, (4, *control.per_cross_track.shape)))  # d bank / d state
     gradient[0::2] = normal * control.per_cross_track
     gradient[1::2] = normal * control.per_cross_track_rate
@@ -86,5 +89,4 @@ def autonomous(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Placed
     push = GRAVITY / np.cos(control.bank) ** 2 / speed
     north, east = -east_rate * push, north_rate * push
     effect = np.stack([0.5 * dt**2 * north, dt * north, 0.5 * dt**2 * east, dt * east])
-    F = F + effect[:, None] * gradient
-    return Placed(predict(gaussian, F, Q)._replace(mean=mean), path.advance(leg, mean, dt))
+    return predict(state.gaussian, F + effect[:, None] * gradient, Q)._replace(mean=mean)

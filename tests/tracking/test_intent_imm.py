@@ -1,0 +1,152 @@
+"""Intent IMM: judged by the ten scenarios of the Vasylyev page and by the filters that are best in each."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.tracking.law_truth import (
+    BASE_START,
+    BASE_TO_FINAL,
+    CROSS_TRACK,
+    LINE,
+    NOMINAL,
+    ONE_LEG,
+    PATTERN_LAW,
+    PLANE,
+    TEN,
+    WIDE,
+    ConstantVelocityOnLine,
+    errors,
+    phases,
+    ratio,
+    route_truth,
+    ten_on_leg,
+    ten_on_line,
+)
+from tracking.gaussian import Gaussian, Mixture
+from tracking.motion import ConstantVelocity
+from tracking.trackers.intent_imm import IntentImm
+from tracking.trackers.kalman import Kalman
+from tracking.trackers.law_ekf import LawEkf
+from tracking.trackers.saturated_control import SaturatedControl
+
+EXACT = ("exact outside", "exact inside")
+ON_LINE = IntentImm(NOMINAL, LINE, CROSS_TRACK)
+ON_LEG = IntentImm(NOMINAL, ONE_LEG, PLANE)
+
+
+def best_uniform(trackers, truth, seed):
+    """The better of the constant-velocity filters by its own RMSE."""
+    return min((errors(tracker, truth, seed) for tracker in trackers), key=lambda found: found.rmse())
+
+
+@pytest.mark.parametrize("name", TEN)
+def test_never_far_from_the_better_uniform_motion_on_a_line(name):
+    """Asked 1.20 and, where the law is exact, 1.10 of saturated control; 40 paired runs: sampling error 0.02."""
+    truth = ten_on_line(name, 51, 40)
+    found = errors(ON_LINE, truth, 52)
+    uniform = [Kalman(CROSS_TRACK, ConstantVelocityOnLine(q)) for q in (0.3, 3.0)]
+    assert ratio(found, best_uniform(uniform, truth, 52)).value <= 1.20
+    if name in EXACT:
+        assert ratio(found, errors(SaturatedControl(NOMINAL, LINE, CROSS_TRACK), truth, 52)).value <= 1.10
+
+
+@pytest.mark.parametrize("name", ["exact outside", "exact inside", "offset", "crossing", "manual"])
+def test_never_far_from_the_better_uniform_motion_on_a_leg(name):
+    truth = ten_on_leg(name, 53, 20)
+    found = errors(ON_LEG, truth, 54)
+    uniform = [Kalman(PLANE, ConstantVelocity(q)) for q in (0.3, 3.0)]
+    assert ratio(found, best_uniform(uniform, truth, 54)).value <= 1.20
+    if name in EXACT:
+        assert ratio(found, errors(SaturatedControl(NOMINAL, ONE_LEG, PLANE, sub_step=0.5), truth, 54)).value <= 1.10
+
+
+@pytest.mark.parametrize(("name", "flown"), [("exact outside", 1250), ("z_max 2500 m", 2500), ("z_max 800 m", 800)])
+def test_identifies_the_limit_that_is_flown(name, flown):
+    """After 36 s of the intercept, half of 40 runs within 20 %: the bank holds a limit every 25 % to either side."""
+    found = errors(ON_LINE, ten_on_line(name, 55, 40), 56)
+    weights = found.probabilities[8]
+    limit = ON_LINE.flown_limit(Mixture(weights, np.zeros((2, *weights.shape)), np.zeros((2, 2, *weights.shape))))
+    assert limit.shape == (40,)
+    assert np.median(limit) == pytest.approx(flown, rel=0.2)
+    laws = weights[: len(ON_LINE.limits)].mean(axis=1)
+    assert laws.sum() > 0.7
+    assert abs(math.log(ON_LINE.limits[np.argmax(laws)] / flown)) < math.log(1.3)
+
+
+def test_says_when_no_law_is_flown():
+    """An aircraft beside its line or across it is free flight, not a law; one on the law is not free flight."""
+    free = {name: errors(ON_LINE, ten_on_line(name, 57, 40), 58).probabilities for name in ("offset", "crossing")}
+    for probabilities in free.values():
+        assert probabilities[20:50, -2:].sum(axis=1).mean() > 0.7
+    flown = errors(ON_LINE, ten_on_line("exact outside", 57, 40), 58).probabilities
+    assert flown[10:20, :-2].sum(axis=1).mean() > 0.7
+
+
+def test_follows_the_pattern_through_the_turn():
+    rng = np.random.default_rng(59)
+    flown = route_truth(PATTERN_LAW, BASE_TO_FINAL, BASE_START, 224.0, rng, 20, dt=0.2)
+    mask = phases(BASE_TO_FINAL, flown)
+    ours = errors(IntentImm(PATTERN_LAW, BASE_TO_FINAL, PLANE), flown.x, 60).position()
+    uniform = errors(Kalman(PLANE, ConstantVelocity(3.0)), flown.x, 60).position()
+    for phase in ("base", "turn", "final"):
+        assert np.sqrt((ours[mask[phase]] ** 2).mean()) < np.sqrt((uniform[mask[phase]] ** 2).mean())
+
+
+def test_certain_of_one_law_it_is_the_filter_of_that_law():
+    """With the other modes ruled out and no switching the merged estimate is the extended Kalman filter's."""
+    tracker = IntentImm(NOMINAL, LINE, CROSS_TRACK, limit_factors=(1.0,), mean_stay=1e30, sub_step=0.5)
+    alone = LawEkf(NOMINAL, LINE, CROSS_TRACK, sub_step=0.5)
+    start = Gaussian(np.array([3000.0, 0.0]), np.diag([1e4, 25.0]))
+    state = tracker.begin(start)
+    state = state._replace(mixture=state.mixture._replace(weights=np.array([1.0, 0.0, 0.0])))
+    other = alone.begin(start)
+    R = np.array([[1e4]])
+    for z in (2950.0, 3010.0, 2890.0, 2700.0):
+        state, ours = tracker.step(state, 4.0, np.array([z]), R)
+        other, theirs = alone.step(other, 4.0, np.array([z]), R)
+        np.testing.assert_allclose(state.mixture.mean[:, 0], other.gaussian.mean, rtol=1e-12)
+        np.testing.assert_allclose(state.mixture.cov[:, :, 0], other.gaussian.cov, rtol=1e-10)
+        assert ours.log_likelihood == pytest.approx(theirs.log_likelihood, rel=1e-9)
+
+
+def test_switching_does_not_depend_on_the_step():
+    """Rows sum to one, ten short steps are one long one, and a mode is left at the stated rate."""
+    short, long = (ON_LINE._switching(dt) for dt in (0.4, 4.0))
+    np.testing.assert_allclose(np.linalg.matrix_power(short, 10), long, atol=1e-14)
+    np.testing.assert_allclose(long.sum(axis=1), 1.0, rtol=1e-14)
+    tiny = 1e-6
+    assert (1.0 - ON_LINE._switching(tiny)[0, 0]) / tiny == pytest.approx(1.0 / ON_LINE.mean_stay, rel=1e-4)
+
+
+def test_every_law_of_the_bank_converges():
+    """The rate limit grows with the position limit, or the widest law would orbit in its own prediction."""
+    for factor in ON_LINE.limit_factors:
+        law = replace(
+            NOMINAL,
+            cross_track_limit=factor * NOMINAL.cross_track_limit,
+            cross_track_rate_limit=max(factor, 1.0) * NOMINAL.cross_track_rate_limit,
+        )
+        law.check_convergence(ground_speed=math.inf)
+    bank = ON_LINE.bank(1)
+    assert bank.cross_track_limit.shape == (5, 1)
+    assert ON_LINE.modes == ("law x 0.4", "law x 0.64", "law x 1", "law x 1.6", "law x 2.4", "straight", "manoeuvre")
+    assert WIDE.intercept_speed == pytest.approx(2.0 * NOMINAL.intercept_speed)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"limit_factors": ()}, "limit_factors"),
+        ({"limit_factors": (1.0, -2.0)}, "limit_factors"),
+        ({"mean_stay": 0.0}, "mean_stay"),
+        ({"straight_density": -1.0}, "density"),
+    ],
+)
+def test_bad_parameters_are_refused(wrong, words):
+    with pytest.raises(ValueError, match=words):
+        IntentImm(NOMINAL, LINE, CROSS_TRACK, **wrong)

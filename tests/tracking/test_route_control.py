@@ -1,0 +1,135 @@
+"""Route control: judged on course kinematics through a turn, flown on the truth and flown on its own estimate."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.tracking.law_truth import (
+    BASE_START,
+    BASE_TO_FINAL,
+    PATTERN_LAW,
+    PLANE,
+    SIGMA,
+    cross_track_error,
+    errors,
+    noise_factor,
+    phases,
+    route_truth,
+    shaken,
+    turned,
+)
+from tracking.gaussian import Gaussian
+from tracking.motion import ConstantVelocity
+from tracking.trackers.kalman import Kalman
+from tracking.trackers.route_control import RouteControl
+from tracking.trackers.saturated_control import SaturatedControl
+
+SECONDS = 224.0  # base leg, turn and the final well established
+
+
+def route_control(covariance="known_control", density=0.1):
+    return RouteControl(PATTERN_LAW, BASE_TO_FINAL, PLANE, covariance, density)
+
+
+def by_phase(tracker, flown, seed):
+    """RMSE across the active leg on base, in the turn and on final."""
+    error = cross_track_error(BASE_TO_FINAL, flown, errors(tracker, flown.x, seed).error)
+    return {name: math.sqrt((error[mask] ** 2).mean()) for name, mask in phases(BASE_TO_FINAL, flown).items()}
+
+
+@pytest.mark.parametrize("density", [0.1, 0.3])
+def test_known_control_through_the_turn(density):
+    """Asked: 45 / 50 / 35 m on base, turn and final. 60 runs: sampling error 2 %, 3 % in the turn."""
+    rng = np.random.default_rng(41)
+    flown = route_truth(PATTERN_LAW, BASE_TO_FINAL, BASE_START, SECONDS, rng, 60, density, dt=0.2)
+    found = by_phase(route_control(density=density), flown, 42)
+    assert found["base"] <= 45.0
+    assert found["turn"] <= 50.0
+    assert found["final"] <= 35.0
+
+
+def test_course_kinematics_are_what_the_turn_needs():
+    """A law that belongs to one line is void at a course error of 90 deg, and straight flight never turns."""
+    rng = np.random.default_rng(43)
+    flown = route_truth(PATTERN_LAW, BASE_TO_FINAL, BASE_START, SECONDS, rng, 40, dt=0.2)
+    found = by_phase(route_control(), flown, 44)["turn"]
+    on_lines = SaturatedControl(PATTERN_LAW, BASE_TO_FINAL, PLANE, sub_step=0.5)
+    assert by_phase(on_lines, flown, 44)["turn"] > 1.5 * found
+    assert min(by_phase(Kalman(PLANE, ConstantVelocity(q)), flown, 44)["turn"] for q in (0.3, 1.0, 3.0)) > 1.5 * found
+
+
+def test_the_slope_of_the_law_sharpens_the_straight_legs():
+    """Flown on the truth, dlaw/dx belongs in F: less than two thirds of the error on base and on final."""
+    rng = np.random.default_rng(45)
+    flown = route_truth(PATTERN_LAW, BASE_TO_FINAL, BASE_START, SECONDS, rng, 40, density=0.0, dt=0.2)
+    known, slope = (by_phase(route_control(form), flown, 46) for form in ("known_control", "jacobian"))
+    assert slope["base"] < 0.66 * known["base"]
+    assert slope["final"] < 0.66 * known["final"]
+
+
+def talk_down(tracker, seed, runs=30, scans=70, density=0.1, dt=0.5, period=4.0):
+    """Full-state ANEES of an aircraft whose bank is the law on this tracker's estimate, step by step."""
+    rng = np.random.default_rng(seed)
+    sigmas = np.array([SIGMA, 5.0, SIGMA, 5.0])[:, None]
+    start = np.array(BASE_START)[:, None] + np.zeros((4, runs))
+    x = start + sigmas * rng.standard_normal((4, runs))
+    state = tracker.begin(Gaussian(start, np.diag(sigmas[:, 0] ** 2)))
+    factor = noise_factor(density, dt)
+    steps = round(period / dt)
+    nees = []
+    for _ in range(scans):
+        for i in range(steps):
+            estimate = tracker.estimate(state).mean
+            bank = PATTERN_LAW(BASE_TO_FINAL.deviation(state.place, estimate[0::2], estimate[1::2]))
+            x = shaken(turned(x, bank, dt), factor, rng)
+            scan = i == steps - 1
+            z = x[0::2] + SIGMA * rng.standard_normal((2, runs)) if scan else None
+            state, _ = tracker.step(state, dt, z, SIGMA**2 * np.eye(2) if scan else None)
+        mean, cov = tracker.estimate(state)
+        error = (mean - x).T[..., None]
+        nees.append((error * np.linalg.solve(np.moveaxis(cov, -1, 0), error)).sum(axis=(1, 2)) / 4)
+    return float(np.mean(nees))
+
+
+def test_talk_down_needs_the_control_as_known():
+    """Asked: ANEES 0.6 to 1.2 (30 runs x 70 scans: sampling error 0.05)."""
+    assert 0.6 < talk_down(route_control("known_control"), 47) < 1.2
+
+
+def test_talk_down_breaks_the_slope_of_the_law():
+    """Flown on the estimate the error obeys the open loop: the check above must fail, and by orders of magnitude."""
+    assert talk_down(route_control("jacobian"), 47) > 100.0
+
+
+def test_a_look_ahead_sees_the_turn():
+    """From the base leg, 90 s ahead and beyond the corner: the aircraft will be on final, within four of its sigmas."""
+    rng = np.random.default_rng(48)
+    flown = route_truth(PATTERN_LAW, BASE_TO_FINAL, BASE_START, 160.0, rng, 20, density=0.0, dt=0.2)
+    tracker = route_control()
+    measured = flown.x[:, 0::2] + SIGMA * rng.standard_normal(flown.x[:, 0::2].shape)
+    state = tracker.begin(Gaussian(flown.x[0], np.diag([1e4, 25.0, 1e4, 25.0])))
+    for z in measured[1:16]:
+        state, _ = tracker.step(state, 4.0, z, SIGMA**2 * np.eye(2))
+    assert (state.place == 0).all()
+    later, _ = tracker.step(state, 96.0, None, None)
+    assert (later.place == 1).all()
+    mean, cov = tracker.estimate(later)
+    miss = np.abs(mean - flown.x[39])[0::2] / np.sqrt(np.stack([cov[0, 0], cov[2, 2]]))
+    assert miss.max() < 4.0
+    assert np.sqrt((np.hypot(*(mean - flown.x[39])[0::2]) ** 2).mean()) < 500.0
+
+
+def test_a_target_at_rest_does_not_break_the_course():
+    tracker = route_control("jacobian")
+    state = tracker.begin(Gaussian(np.array([[-13500.0], [0.0], [-3000.0], [0.0]]), np.diag([1e4, 25.0, 1e4, 25.0])))
+    for _ in range(3):
+        state, _ = tracker.step(state, 4.0, np.array([[-13500.0], [-3000.0]]), SIGMA**2 * np.eye(2))
+    assert np.isfinite(tracker.estimate(state).mean).all()
+
+
+def test_another_covariance_is_refused():
+    with pytest.raises(ValueError, match="known_control"):
+        route_control("both")
