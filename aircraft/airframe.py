@@ -8,40 +8,25 @@ stand inside the closed loop.
 from __future__ import annotations
 
 import math
-import threading
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import jsbsim
 
 from aircraft import loading, model_files, properties
 from aircraft.data import AircraftData, data
-from aircraft.model_files import ModelError
+from aircraft.errors import FlightError, ModelError
+from aircraft.executive import fresh_executive, sentence
 from aircraft.properties import EARTH_RADIUS, FOOT, getter, node, setter
-from aircraft.state import STANDARD_GRAVITY, AircraftState, Controls
+from aircraft.runway import Runway
+from aircraft.state import AircraftState, Controls
 from aircraft.wind import SteadyWind
 
 RATE = 120  # Hz, of the equations of motion
 UNTOLD_FLAPS = math.radians(40.0)  # full deflection of a model that gives only its share
 _NEW = tuple.__new__  # an AircraftState from a tuple of its fields at half the time of its own constructor
-PLANET = f"""<planet name="sphere"><equatorial_radius unit="M">{EARTH_RADIUS!r}</equatorial_radius>
-<polar_radius unit="M">{EARTH_RADIUS!r}</polar_radius><rotation_rate unit="RAD/SEC">0</rotation_rate>
-<GM unit="M3/SEC2">{STANDARD_GRAVITY * EARTH_RADIUS**2!r}</GM><J2>0</J2></planet>"""
-
-
-class FlightError(RuntimeError):
-    """A flight that cannot go on; carries the time (s) and the last state that was finite."""
-
-    def __init__(self, message: str, time: float = math.nan, state: AircraftState | None = None) -> None:
-        super().__init__(message)
-        self.time = time
-        self.state = state
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return FlightError, (str(self), self.time, self.state)
 
 
 class Wind(Protocol):
@@ -52,33 +37,6 @@ class Wind(Protocol):
     ) -> tuple[float, float, float]:
         """(north, east, up) m/s, the way the air moves."""
         ...
-
-
-@dataclass(frozen=True)
-class Runway:
-    """Where the threshold lies; only the elevation acts on the flight, the rest serves routes, maps and exports."""
-
-    latitude: Annotated[float, "rad"] = 0.0
-    longitude: Annotated[float, "rad"] = 0.0
-    elevation: Annotated[float, "m"] = 0.0
-    heading: Annotated[float, "rad"] = 0.0
-
-    def __post_init__(self) -> None:
-        if not abs(self.latitude) <= math.radians(85.0):
-            raise ValueError("latitude must lie within 85 deg of the equator")
-        if not abs(self.longitude) <= math.pi:
-            raise ValueError("longitude must lie between -180 and 180 deg")
-        if not -500.0 <= self.elevation <= 5000.0:
-            raise ValueError("elevation must lie between -500 and 5000 m")
-        if not abs(self.heading) <= 2.0 * math.pi:
-            raise ValueError("heading must lie between -360 and 360 deg")
-
-    def geodetic(self, north: Any, east: Any) -> tuple[Any, Any]:
-        """(latitude, longitude), rad, by the radii of curvature of WGS 84 at the threshold."""
-        sine = math.sin(self.latitude)
-        root = math.sqrt(1.0 - 6.69437999014e-3 * sine * sine)
-        meridian = 6378137.0 * (1.0 - 6.69437999014e-3) / root**3
-        return self.latitude + north / meridian, self.longitude + east * root / (6378137.0 * math.cos(self.latitude))
 
 
 class InitialCondition(NamedTuple):
@@ -178,7 +136,7 @@ class Airframe:
                 if self._needs_spinning_up:
                     self._engines.get_steady_state()
         except jsbsim.BaseError as error:
-            raise FlightError(f"the model cannot begin a flight: {_sentence([str(error)])}") from None
+            raise FlightError(f"the model cannot begin a flight: {sentence([str(error)])}") from None
         self._executive.set_trim_status(False)
         self._specific_force = properties.POUND_PER_SLUG / self._mass()
         self._last = None
@@ -338,73 +296,12 @@ def load(
         loading.apply_centre_of_gravity(
             source, aircraft.chord_leading_edge + centre_of_gravity_mac * aircraft.mean_chord
         )
-    executive = _executive(source)
+    executive = fresh_executive(source, RATE)
     has_propellers = any(tree.tag == "propeller" for tree in source.files.values())
     try:
         return Airframe(executive, aircraft, runway or Runway(), _main_gear(source.root), has_propellers)
     except (KeyError, jsbsim.BaseError) as error:
-        raise ModelError(f"'{source.name}' cannot be used: {_sentence([*map(str, error.args)])}") from None
-
-
-def _executive(source: model_files.Model) -> Any:
-    jsbsim.FGJSBBase().debug_lvl = 0  # before construction, or a banner is printed
-    said = _listen()
-    with model_files.private_root(source) as root:
-        planet = root / "planet.xml"
-        planet.write_text(PLANET)
-        executive = jsbsim.FGFDMExec(str(root))
-        try:
-            loaded = executive.load_planet(str(planet), False) and executive.load_model(source.name)
-        except jsbsim.BaseError as error:
-            raise ModelError(f"JSBSim cannot load '{source.name}': {_sentence([str(error)])}") from None
-        if not loaded:
-            raise ModelError(f"JSBSim cannot load '{source.name}': {_sentence(said)}")
-    executive.disable_input()
-    executive.disable_output()
-    executive.set_dt(1.0 / RATE)
-    executive.get_propulsion().init_running(-1)
-    executive["propulsion/fuel_freeze"] = 1
-    return executive
-
-
-class _Logger(jsbsim.FGLogger):
-    """Keeps what JSBSim says; it would print warnings and errors whatever its debug level."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.said: list[str] = []
-
-    def set_level(self, level: Any) -> None:
-        pass
-
-    def file_location(self, filename: str, line: int) -> None:
-        pass
-
-    def format(self, format: Any) -> None:
-        pass
-
-    def flush(self) -> None:
-        pass
-
-    def message(self, message: str) -> None:
-        if len(self.said) < 100:
-            self.said.append(message)
-
-
-_LOGGER = _Logger()
-
-
-def _listen() -> list[str]:
-    """What JSBSim says from now on, in the main thread; in others its logger would outlive the thread and crash."""
-    _LOGGER.said.clear()
-    if threading.current_thread() is threading.main_thread():
-        jsbsim.set_logger(_LOGGER)
-    return _LOGGER.said
-
-
-def _sentence(said: list[str]) -> str:
-    text = " ".join(" ".join(said).split())
-    return text[:300] if text else "no reason given"
+        raise ModelError(f"'{source.name}' cannot be used: {sentence([*map(str, error.args)])}") from None
 
 
 def _throttles(manager: Any) -> list[Any]:

@@ -8,7 +8,8 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
-from aircraft.model_files import ModelError, folder
+from aircraft.errors import ModelError
+from aircraft.model_files import folder
 from aircraft.units import spellings
 
 

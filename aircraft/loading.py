@@ -5,7 +5,8 @@ from __future__ import annotations
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Mapping
 
-from aircraft.model_files import Model, ModelError
+from aircraft.errors import ModelError
+from aircraft.model_files import Model
 
 KILOGRAM = {"KG": 1.0, "LBS": 0.45359237, "SLUG": 14.593902937206365}
 METRE = {"M": 1.0, "FT": 0.3048, "IN": 0.0254}

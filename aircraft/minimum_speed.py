@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from aircraft.airframe import Airframe
+from aircraft.errors import TrimError
 from aircraft.linearise import LONGITUDINAL, linearise
-from aircraft.trim import Trim, TrimError, trim
+from aircraft.trim import Trim, trim
 
 HEIGHT = 100.0  # m: clear of the ground effect, density of sea level within 1 %
 SINKING = 0.3  # m/s: from here on the flight is no longer level

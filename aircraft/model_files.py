@@ -15,6 +15,8 @@ from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 from typing import NamedTuple
 
+from aircraft.errors import ModelError
+
 OWN_MODELS = Path(__file__).parent / "models"
 LARGEST_FILE = 4_000_000  # bytes; the largest stock file has 0.3 MB
 MOST_FILES = 100
@@ -25,10 +27,6 @@ REFUSED_PROPERTIES = (  # they write files, or stop time
     "simulation/reset",
     "simulation/do_",
 )
-
-
-class ModelError(ValueError):
-    """A model that does not exist, is broken, or may not be loaded; the message is one sentence."""
 
 
 class Model(NamedTuple):

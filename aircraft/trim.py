@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from aircraft.airframe import Airframe, InitialCondition
+from aircraft.errors import TrimError
 from aircraft.state import Controls
 
 TOLERANCE = 1e-8  # m/s2 and rad/s2; Newton converges quadratically, so this is one iteration beyond 1e-4
@@ -15,10 +16,6 @@ ITERATIONS = 40
 DIFFERENCE = 1e-4  # of the central differences: rad and share of control
 LARGEST_STEP = np.array([math.radians(3.0), 0.2, 0.2, math.radians(5.0), 0.2, 0.2])
 UNKNOWNS = ("angle of attack", "throttle", "elevator", "bank", "aileron", "rudder")
-
-
-class TrimError(ValueError):
-    """No steady state at the wanted condition; the message says what ran out."""
 
 
 class Trim(NamedTuple):
