@@ -20,18 +20,16 @@ def summary(metrics: dict[str, Any]) -> str:
         for channel, figure in tracker["overall"].items()
     ]
     if rows:
-        table = [("tracker", "channel", "rmse", "raw", "gain"), *([*r[:2], *map(_number, r[2:])] for r in rows)]
-        lines += ["", *_table(table, 2)]
+        header = ("tracker", "channel", "rmse", "raw", "gain")
+        lines += ["", *table([header, *([*row[:2], *map(_number, row[2:])] for row in rows)], 2)]
     if metrics["checks"]:
         header = ("check", "value", "limit", "margin", "")
-        table = [
-            header,
-            *(
-                [c["name"], *map(_number, (c["value"], c["limit"], c["margin"])), _verdict(c)]
-                for c in metrics["checks"]
-            ),
+        shown = [
+            [check["name"], *(_number(check[key]) for key in ("value", "limit", "margin")), _verdict(check)]
+            for check in metrics["checks"]
         ]
-        lines += ["", *_table(table, 1)]
+        lines += ["", *table([header, *shown], 1)]
+    lines += [f"warning: {warning}" for warning in metrics["warnings"]]
     return "\n".join(lines)
 
 
@@ -45,7 +43,7 @@ def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.4g}"
 
 
-def _table(rows: list[Any], words: int) -> list[str]:
+def table(rows: list[Any], words: int) -> list[str]:
     """Aligned columns: the first ``words`` and the last of a table of verdicts to the left, numbers to the right."""
     widths = [max(len(str(row[i])) for row in rows) for i in range(len(rows[0]))]
     lines = []
