@@ -107,7 +107,8 @@ def _law(prepared: Prepared) -> str:
     if not isinstance(law, LateralNavigation):
         return (
             f"bank = c{{k3 c3{{eps}} - k4 dpsi}} [Vasylyev 2003, eq. (5)]: k3 {law.k3:.3g}, k4 {law.k4:.3g}, "
-            f"bank limit {bank_limit:.1f} deg, bearing limit {math.degrees(law.bearing_limit):.2f} deg, on the {law.course}"
+            f"bank limit {bank_limit:.1f} deg, bearing limit {math.degrees(law.bearing_limit):.2f} deg, "
+            f"on the {law.course}"
         )
     frequency, damping = frequency_and_damping(law)
     return (
