@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple
 
 from aircraft.state import AircraftState, Command
 from autopilot.landing import Landing
-from autopilot.route import PathDeviation, Route
+from autopilot.route import PathDeviation, Route, pack
 from autopilot.saturation import rate_limit, saturate
 from autopilot.stabilised_gate import FRESH, GateState
 
@@ -126,15 +126,17 @@ class Approach:
         height, climb_rate = s.height, s.climb_rate
         if phase != s.phase and phase in FROM_HERE:
             height, climb_rate = state.height, state.velocity_up
-        height, climb_rate = self._path(
-            phase, leg, height, climb_rate, deviation.distance_to_go, over_ground, s.airspeed, dt
-        )
-        airspeed, flaps, gear = self._speed(phase, leg, deviation.distance_to_go, s.airspeed, state.airspeed, dt)
+        to_go = deviation.distance_to_go
+        height, climb_rate = self._path(phase, leg, height, climb_rate, to_go, over_ground, s.airspeed, dt)
+        airspeed, flaps, gear = self._speed(phase, leg, to_go, s.airspeed, state.airspeed, dt)
         bank, sideslip, crab, aligned = self._bank(phase, s, state, deviation, dt)
         slope = math.atan2(climb_rate, over_ground) if climb_rate != 0.0 else 0.0
         return (
-            ApproachState(phase, leg, bank, airspeed, height, climb_rate, crab, aligned, gate, lowest, finished),
-            Command(bank, slope, height, airspeed, flaps, gear, sideslip),
+            pack(
+                ApproachState,
+                (phase, leg, bank, airspeed, height, climb_rate, crab, aligned, gate, lowest, finished),
+            ),
+            pack(Command, (bank, slope, height, airspeed, flaps, gear, sideslip)),
         )
 
     def _sequenced(

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from aircraft.state import STANDARD_GRAVITY, AircraftState, Command, Controls
 from autopilot.design import SCHEDULED, Designed
+from autopilot.route import pack
 
 GUST_TIME = 5.0  # s; slower changes of the wind count as airspeed
 AIRSPEED_ERROR, HEIGHT_ERROR = 8.0, 20.0  # m/s, m: larger errors are not acted upon harder
@@ -192,18 +193,21 @@ class InnerLoops:
         if rudder == limited_rudder or (rudder > limited_rudder) is not (change > 0.0):
             rudder_sum += change
         return (
-            LoopState(
-                reference,
-                reference_rate,
-                throttle_sum,
-                elevator_sum,
-                aileron_sum,
-                rudder_sum,
-                wind_north,
-                wind_east,
-                wanted_airspeed,
-                slope,
-                lookup,
+            pack(
+                LoopState,
+                (
+                    reference,
+                    reference_rate,
+                    throttle_sum,
+                    elevator_sum,
+                    aileron_sum,
+                    rudder_sum,
+                    wind_north,
+                    wind_east,
+                    wanted_airspeed,
+                    slope,
+                    lookup,
+                ),
             ),
-            Controls(limited_aileron, limited_elevator, limited_rudder, limited_throttle, wanted_flaps, gear),
+            pack(Controls, (limited_aileron, limited_elevator, limited_rudder, limited_throttle, wanted_flaps, gear)),
         )

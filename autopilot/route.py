@@ -12,6 +12,7 @@ from aircraft.state import STANDARD_GRAVITY
 
 Real = Any
 
+pack = tuple.__new__  # a named tuple in a third of the time, for what is built at every step of a flight
 STRAIGHT = 1e-6  # sine of a turn below which two legs are one line
 CONTIGUOUS = 1.0  # m, how far apart the end of a leg and the start of the next may lie
 
@@ -106,13 +107,11 @@ class Route:
         distance_to_go = -north * along_north - east * along_east
         cross_track_rate = velocity_east * along_north - velocity_north * along_east
         track_error = math.atan2(cross_track_rate, velocity_north * along_north + velocity_east * along_east)
-        return PathDeviation(
-            cross_track,
-            cross_track_rate,
-            distance_to_go,
-            math.atan2(-cross_track, distance_to_go),
-            track_error,
-            track_error if heading is None else math.remainder(heading - course, math.tau),
+        bearing_error = math.atan2(-cross_track, distance_to_go)
+        heading_error = track_error if heading is None else math.remainder(heading - course, math.tau)
+        return pack(
+            PathDeviation,
+            (cross_track, cross_track_rate, distance_to_go, bearing_error, track_error, heading_error),
         )
 
     def _deviations(

@@ -81,7 +81,7 @@ def phases_of(record):
 
 
 def test_all_phases_of_a_landing_come_in_their_order():
-    record = fly(Approach(pattern(), LAW, Landing()), start(300.0, -7000.0, 400.0, math.pi, 72.0, (0.0, 0.0)))
+    record = fly(Approach(pattern(), LAW, Landing()), start(-9000.0, -7000.0, 400.0, math.pi, 72.0, (0.0, 0.0)))
     assert phases_of(record) == [
         "downwind", "base_turn", "base", "final_turn", "final", "glide", "flare", "ground"
     ]  # fmt: skip
@@ -139,7 +139,7 @@ def test_turns_end_on_the_new_leg_in_any_wind(from_deg):
     toward = math.radians(from_deg) + math.pi
     wind = (10.0 * math.cos(toward), 10.0 * math.sin(toward))
     record = fly(
-        Approach(pattern("left", wind), LAW, Landing()), start(300.0, -7000.0, 400.0, math.pi, 72.0, wind), wind=wind
+        Approach(pattern("left", wind), LAW, Landing()), start(-9000.0, -7000.0, 400.0, math.pi, 72.0, wind), wind=wind
     )
     route = pattern("left", wind)
     for leg in (1, 2):  # left turns reach their leg from its left
