@@ -72,7 +72,7 @@ def relative_fisher_information(weights: Sequence[float], sigmas: Sequence[float
     """Fisher information of a mixture of zero-mean Gaussians, times the variance of its narrowest component.
 
     Information ``integral p'^2 / p``. Dividing the nominal R by the returned number gives the R of a Gaussian that
-    says as much: 0.7450 for weights 0.8, 0.2 and sigmas 1, 30 [Kychak 2011, eq. (5)].
+    says as much: 0.7450 for weights 0.8, 0.2 and sigmas 1, 30.
     """
     weight, sigma = np.asarray(weights, dtype=float), np.asarray(sigmas, dtype=float)
     if (weight < 0.0).any() or abs(weight.sum() - 1.0) > 1e-12:

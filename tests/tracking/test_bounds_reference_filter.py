@@ -7,12 +7,13 @@ import itertools
 import numpy as np
 import pytest
 
+from tracking.consistency import gain
 from tracking.gaussian import Gaussian, merge
 from tracking.measurement import LinearMeasurement
 from tracking.motion import ConstantVelocity, CoordinatedTurn
 from tracking.reference_filter import ReferenceFilter, optimal_resampling
 from tracking.track import Measurements, follow
-from tracking.trackers.imm import ModelSet
+from tracking.trackers.imm import InteractingMultipleModel, ModelSet
 
 POSITION = LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
 H = np.array(POSITION.H)
@@ -84,6 +85,33 @@ def test_thinning_stays_near_the_exact_posterior():
     assert (np.abs(merge(last.estimate).mean[:, 0] - exact) < 0.1 * np.sqrt(np.diag(cov))).all()
 
 
+def test_an_imm_is_worse_than_the_reference_by_less_than_a_tenth():
+    """Truth from the models themselves; paired over 150 runs the interval is +-0.7 %."""
+    generator, runs = np.random.default_rng(6), 150
+    chance = np.array(MODELS.switching)
+    pairs = [model.transition(1.0, None) for model in MODELS.models]
+    F, root = np.stack([p.F for p in pairs]), np.stack([np.linalg.cholesky(p.Q) for p in pairs])
+    mode = generator.choice(3, size=runs, p=MODELS.probabilities)
+    x = PRIOR.mean[:, None] + np.sqrt(np.diag(PRIOR.cov))[:, None] * generator.standard_normal((4, runs))
+    truth = []
+    for _ in range(40):
+        mode = (generator.random(runs)[:, None] > chance[mode].cumsum(axis=1)).sum(axis=1)
+        x = np.einsum("Nij,jN->iN", F[mode], x)
+        x = x + np.einsum("Nij,jN->iN", root[mode], generator.standard_normal((4, runs)))
+        truth.append(x)
+    truth, time = np.stack(truth), np.arange(1.0, 41.0)
+    z = truth[:, [0, 2]] + 30.0 * generator.standard_normal((40, 2, runs))
+    measurements = Measurements(("north", "east"), time, time, z, np.broadcast_to(900.0 * np.eye(2), (40, 2, 2)))
+
+    def squares(tracker):
+        errors = [merge(e.estimate).mean - truth[e.row] for e in follow(tracker, measurements, PRIOR, start=0.0)]
+        return np.mean([e[0] ** 2 + e[2] ** 2 for e in errors], axis=0)
+
+    excess = gain(squares(InteractingMultipleModel(POSITION, MODELS)), squares(ReferenceFilter(POSITION, MODELS, 40)))
+    assert excess.high > 1.0
+    assert excess.high < 1.10
+
+
 def test_runs_of_an_ensemble_do_not_see_each_other():
     measurements = record(8, 3, seed=3)
     *_, together = follow(ReferenceFilter(POSITION, MODELS, 20), measurements, PRIOR, start=0.0)
@@ -107,24 +135,24 @@ def test_an_absent_measurement_is_a_pure_prediction():
 
 
 def test_resampling_keeps_the_heavy_and_is_unbiased_on_the_light():
-    """Averaged over an even grid of offsets the weights are the old ones, to the grid's 1e-3."""
+    """Averaged over an even grid of offsets the weights are the old ones, to the grid's 4e-3."""
     generator = np.random.default_rng(5)
     weights = generator.exponential(size=(30, 4)) ** 3
     weights /= weights.sum(axis=0)
     mean = np.zeros_like(weights)
-    for offset in (np.arange(2000) + 0.5) / 2000:
+    for offset in (np.arange(500) + 0.5) / 500:
         index, thinned = optimal_resampling(weights, 8, offset)
         assert index.shape == (8, 4)
         assert all(len(set(column)) == 8 for column in index.T)
         full = np.zeros_like(weights)
         np.put_along_axis(full, index, thinned, axis=0)
-        mean += full / 2000
+        mean += full / 500
         np.testing.assert_allclose(thinned.sum(axis=0), 1.0, rtol=1e-12)
         # one common weight below, the own weight above
         common = thinned.min(axis=0)
         own = np.isclose(thinned, np.take_along_axis(weights, index, axis=0), rtol=1e-9)
         assert (own | np.isclose(thinned, common, rtol=1e-9)).all()
-    np.testing.assert_allclose(mean, weights, atol=1e-3)
+    np.testing.assert_allclose(mean, weights, atol=4e-3)
 
 
 def test_resampling_equal_and_vanishing_weights():
