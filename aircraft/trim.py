@@ -15,7 +15,7 @@ TOLERANCE = 1e-8  # m/s2 and rad/s2; Newton converges quadratically, so this is 
 ITERATIONS = 40
 DIFFERENCE = 1e-4  # of the central differences: rad and share of control
 LARGEST_STEP = np.array([math.radians(3.0), 0.2, 0.2, math.radians(5.0), 0.2, 0.2])
-UNKNOWNS = ("angle of attack", "throttle", "elevator", "bank", "aileron", "rudder")
+STALLED = 0.25  # rad of body incidence; no aeroplane of ours carries its weight beyond
 
 
 class Trim(NamedTuple):
@@ -103,12 +103,14 @@ def _pitch(alpha: float, bank: float, flight_path_angle: float) -> float:
 
 def _failure(title: str, airspeed: float, flight_path_angle: float, unknowns: np.ndarray, remaining: float) -> str:
     where = f"{title} cannot be trimmed at {airspeed:.1f} m/s and {math.degrees(flight_path_angle):+.2f} deg"
-    _, throttle, elevator, _, aileron, rudder = unknowns
-    if throttle >= 1.0:
+    alpha, throttle, elevator, _, aileron, rudder = unknowns
+    if alpha > STALLED:
+        return f"{where}: it is too slow, the wing stalls before it carries the weight"
+    if throttle > 0.999:
         return f"{where}: it needs more than full power"
-    if throttle <= 0.0:
+    if throttle < 0.001:
         return f"{where}: it needs less than idle power"
     for name, value in (("elevator", elevator), ("aileron", aileron), ("rudder", rudder)):
-        if abs(value) >= 1.0:
+        if abs(value) > 0.999:
             return f"{where}: the {name} is at its stop"
-    return f"{where}: {remaining:.2g} m/s2 remain (too slow, beyond the stall, or engines that do not settle)"
+    return f"{where}: {remaining:.2g} m/s2 remain, whatever the controls"

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from aircraft.airframe import RATE, load
 from aircraft.point_mass import PointMass
@@ -100,3 +101,33 @@ def test_point_mass_load_factors_are_its_acceleration(batched):
         )
         for derived, wanted in zip(mass.read(state).acceleration, expected, strict=True):
             assert np.abs(derived - wanted).max() < 1e-12
+
+
+def test_axes_are_those_of_an_independent_rotation():
+    """scipy's intrinsic heading - pitch - bank, then angle of attack and sideslip."""
+    generator = np.random.default_rng(4)
+    heading, bank = generator.uniform(-math.pi, math.pi, (2, 200))
+    pitch, alpha, beta = generator.uniform(-0.8, 0.8, (3, 200))
+    force = generator.normal(0.0, 10.0, (200, 3))
+    state = AircraftState(*[np.zeros(200)] * 26)._replace(
+        heading=heading,
+        pitch=pitch,
+        bank=bank,
+        angle_of_attack=alpha,
+        sideslip=beta,
+        airspeed=np.full(200, 70.0),
+        specific_force_forward=force[:, 0],
+        specific_force_right=force[:, 1],
+        specific_force_down=force[:, 2],
+    )
+    body = Rotation.from_euler("ZYX", np.column_stack([heading, pitch, bank]))
+    wind = body * Rotation.from_euler("ZYX", np.column_stack([0.0 * alpha, alpha, 0.0 * alpha])).inv()
+    wind = wind * Rotation.from_euler("ZYX", np.column_stack([beta, 0.0 * beta, 0.0 * beta]))
+    course, path, rolled = wind.as_euler("ZYX").T
+    assert state.air_course == pytest.approx(course, abs=1e-12)
+    assert state.flight_path_angle == pytest.approx(path, abs=1e-12)
+    assert state.aerodynamic_bank == pytest.approx(rolled, abs=1e-12)
+    north, east, down = body.apply(force).T
+    assert np.array(state.acceleration) == pytest.approx(np.array([north, east, -down - STANDARD_GRAVITY]), abs=1e-12)
+    along, side, below = (wind.inv() * body).apply(force).T / STANDARD_GRAVITY
+    assert np.array(state.load_factor) == pytest.approx(np.array([along, side, -below]), abs=1e-12)

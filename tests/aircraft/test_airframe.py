@@ -1,4 +1,5 @@
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -174,6 +175,8 @@ def test_a_flight_that_is_not_finite_carries_its_last_state(steady):
     with pytest.raises(FlightError, match="not finite") as caught:
         airframe.read()
     assert caught.value.state == good
+    travelled = pickle.loads(pickle.dumps(caught.value))  # from a worker to its parent
+    assert (str(travelled), travelled.time, travelled.state) == (str(caught.value), caught.value.time, good)
     assert caught.value.time == pytest.approx(8 / 120)
 
 
