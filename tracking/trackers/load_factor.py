@@ -112,19 +112,23 @@ def corrected_azimuth_acceleration(
 
 
 class Block(NamedTuple):
-    """One quantity with its derivatives, as of ``clock`` seconds ago."""
+    """One quantity with its derivatives, as of ``clock`` seconds ago.
+
+    The six downlinked quantities have one structure and stand side by side in the first batch axis, each with its
+    own clock.
+    """
 
     mean: Array  # (n, *B)
     cov: Array  # (n, n, *C)
-    clock: Array  # s, () or (*B) where runs missed different measurements
+    clock: Array  # s, () or (*B) where runs missed different measurements; (6, ...) of the downlink
 
 
 class LoadFactorState(NamedTuple):
-    """The nine blocks, the azimuth acceleration last computed (NaN = unaided), and where it had to be clamped."""
+    """The blocks, and the azimuth acceleration last computed for each run."""
 
-    blocks: dict[str, Block]
-    aid: Array  # (*B) rad/s2
-    clamped: Array  # (*B) bool
+    blocks: dict[str, Block]  # range, elevation, azimuth, downlink
+    aid: Array  # (*B) rad/s2, NaN = unaided
+    clamped: Array  # (*B) bool, where its radicand was negative
 
 
 @dataclass(frozen=True)
@@ -135,7 +139,8 @@ class LoadFactor:
     block is its acceleration. ``published``, ``intended`` and ``corrected`` set it to the value computed one step
     earlier, as printed (its gain is then exactly zero); ``corrected_residual`` computes it for now and adds a
     first-order Markov residual with a gain of its own, of which the others are the limit of no correlation. When the
-    downlink falls silent the residual takes over the last computed value and the block goes on with kinematic noise.
+    downlink falls silent the residual takes over the last computed value and the block goes on with kinematic noise;
+    when it speaks again the computed value measures the acceleration up to the residual.
 
     Erratum: printed eps_o(k) + K in the first three lines of the azimuth block, used the extrapolated values, because
     the residual is taken against them.
@@ -158,9 +163,9 @@ class LoadFactor:
     azimuth_acceleration: Aid = "corrected_residual"
     azimuth_density: Annotated[float, "rad2/s3"] = 2e-9
     azimuth_correlation_time: Annotated[float, "s"] = 10.0
-    kinematic_density: Annotated[float, "rad2/s3"] = 1e-6
+    kinematic_density: Annotated[float, "rad2/s3"] = 3e-6
     kinematic_correlation_time: Annotated[float, "s"] = 20.0
-    range_density: Annotated[float, "m2/s3"] = 2.0
+    range_density: Annotated[float, "m2/s3"] = 100.0
     range_correlation_time: Annotated[float, "s"] = 20.0
     elevation_density: Annotated[float, "rad2/s3"] = 1e-8
     elevation_correlation_time: Annotated[float, "s"] = 50.0
@@ -207,20 +212,22 @@ class LoadFactor:
 
     @cached_property
     def _rows(self) -> dict[str, int]:
-        return {quantity: row_of(quantity, self.measured) for quantity in BLOCKS}
+        return {quantity: row_of(quantity, self.measured) for quantity in RADAR}
 
     @cached_property
-    def _dynamics(self) -> dict[str, tuple[int, float, float]]:
+    def _downlink(self) -> list[int]:
+        return [row_of(quantity, self.measured) for quantity in DOWNLINK]
+
+    @cached_property
+    def _dynamics(self) -> dict[str, tuple[int, float, Any]]:
         """Order, correlation time and density of the driving noise of each block but the azimuth's."""
         long = self.range_correlation_time
-        blocks = {
+        densities = [self.angle_density if quantity in ANGLES else self.load_factor_density for quantity in DOWNLINK]
+        return {
             "range": (3, long, self.range_density / long**2),
             "elevation": (2, self.elevation_correlation_time, self.elevation_density),
+            "downlink": (2, self.downlink_correlation_time, np.array(densities)),
         }
-        for quantity in DOWNLINK:
-            density = self.angle_density if quantity in ANGLES else self.load_factor_density
-            blocks[quantity] = (2, self.downlink_correlation_time, density)
-        return blocks
 
     def begin(self, prior: Gaussian) -> LoadFactorState:
         """Range, azimuth and elevation, each with its rate, at the prior; the downlink not yet heard."""
@@ -240,13 +247,14 @@ class LoadFactor:
                 larger[:2, :2], larger[2, 2] = cov, accelerations[quantity]
                 cov = larger
             blocks[quantity] = Block(mean, cov, 0.0)
-        for quantity in DOWNLINK:
-            _, memory, density = self._dynamics[quantity]
-            level = 1.0 if quantity == "load_factor_up" else 0.0
-            spread = math.pi if quantity == "air_course" else 0.5
-            cov = np.diag([spread**2, 0.5 * density * memory])
-            mean = lift(np.array([level, 0.0]), 1, batch)
-            blocks[quantity] = Block(mean, lift(cov, 2, batch), 2.0 * self.dropout)  # as one silent for too long
+        _, memory, densities = self._dynamics["downlink"]
+        cov = np.zeros((2, 2, 6))
+        cov[0, 0] = [math.pi**2 if quantity == "air_course" else 0.25 for quantity in DOWNLINK]
+        cov[1, 1] = 0.5 * densities * memory
+        mean = np.zeros((2, 6))
+        mean[0] = [float(quantity == "load_factor_up") for quantity in DOWNLINK]
+        silence = np.full((6, *(1,) * batch), 2.0 * self.dropout)  # as one that has been silent for too long
+        blocks["downlink"] = Block(lift(mean, 2, batch), lift(cov, 3, batch), silence)
         none = np.full(prior.mean.shape[1:], np.nan)
         return LoadFactorState(blocks, none, np.zeros(none.shape, dtype=bool))
 
@@ -258,24 +266,33 @@ class LoadFactor:
         if z is None:
             return state, None
         z = np.asarray(z, dtype=float)
-        present = np.isfinite(z)
+        R = np.asarray(R, dtype=float)
         found: dict[str, Innovation] = {}
-        for quantity, dynamics in self._dynamics.items():
-            row, block = self._rows[quantity], blocks[quantity]
-            heard = present[row]
+        for quantity in ("range", "elevation"):
+            heard = np.isfinite(z[self._rows[quantity]])
             if heard.any():
-                moved = predict(Gaussian(block.mean, block.cov), *_matrices(*dynamics, block.clock))
-                posterior, found[quantity] = self._update(quantity, moved, z, R)
-                blocks[quantity] = _chosen(heard, Block(*posterior, 0.0), block)
-        return self._step_azimuth(state, z, R, present, found)
+                posterior, found[quantity] = self._update(quantity, self._now(quantity, blocks[quantity]), z, R)
+                blocks[quantity] = _chosen(heard, Block(*posterior, 0.0), blocks[quantity])
+        heard = np.isfinite(z[self._downlink])
+        if heard.any():
+            posterior, found["downlink"] = self._update_downlink(self._now("downlink", blocks["downlink"]), z, R)
+            fresh = Block(*posterior, np.zeros_like(blocks["downlink"].clock))
+            blocks["downlink"] = _chosen(_agreed(heard), fresh, blocks["downlink"])
+        return self._step_azimuth(state, z, R, heard.any(axis=0), found)
+
+    def _now(self, quantity: str, block: Block) -> Gaussian:
+        """A block other than the azimuth's carried on to now."""
+        order, memory, density = self._dynamics[quantity]
+        if np.ndim(density):
+            density = lift(density, 1, np.ndim(block.clock) - 1)
+        return predict(Gaussian(block.mean, block.cov), *integrators(order, memory, density, block.clock))
 
     def _step_azimuth(
-        self, state: LoadFactorState, z: Array, R: Array, present: Array, found: dict[str, Innovation]
+        self, state: LoadFactorState, z: Array, R: Array, heard: Array, found: dict[str, Innovation]
     ) -> tuple[LoadFactorState, Innovation]:
         """The azimuth block, carried on where the radar looked, or where it has waited and the downlink spoke."""
         block = state.blocks["azimuth"]
-        scanned = present[[self._rows[quantity] for quantity in RADAR]].any(axis=0)
-        heard = present[[self._rows[quantity] for quantity in DOWNLINK]].any(axis=0)
+        scanned = np.isfinite(z[list(self._rows.values())]).any(axis=0)
         due = scanned | (heard & (block.clock >= self.longest_step))
         if due.any():
             moved, aid, clamped = self._azimuth_now(state)
@@ -296,8 +313,7 @@ class LoadFactor:
             if quantity == "azimuth":
                 now, _, _ = self._azimuth_now(state)
             else:
-                block = state.blocks[quantity]
-                now = predict(Gaussian(block.mean, block.cov), *_matrices(*self._dynamics[quantity], block.clock))
+                now = self._now(quantity, state.blocks[quantity])
             parts.append(Gaussian(now.mean[:2], now.cov[:2, :2]))
         batch = np.broadcast_shapes(*(part.mean.shape[1:] for part in parts))
         spread = np.broadcast_shapes(*(part.cov.shape[2:] for part in parts))
@@ -311,19 +327,28 @@ class LoadFactor:
         one = z[row : row + 1]
         if quantity in ANGLES:
             one = moved.mean[:1] + wrap(one - moved.mean[:1])
-        return update(moved, one, np.eye(1, len(moved.mean)), np.asarray(R)[row : row + 1, row : row + 1])
+        return update(moved, one, np.eye(1, len(moved.mean)), R[row : row + 1, row : row + 1])
+
+    def _update_downlink(self, moved: Gaussian, z: Array, R: Array) -> tuple[Gaussian, Innovation]:
+        """All six at once; their errors are taken as independent, as everything here."""
+        told, angle = z[self._downlink], lift([quantity in ANGLES for quantity in DOWNLINK], 1, z.ndim - 1) > 0.0
+        told = np.where(angle, moved.mean[0] + wrap(told - moved.mean[0]), told)
+        return update(moved, told[None], np.eye(1, 2), R[self._downlink, self._downlink][None, None])
 
     def _joint(self, found: dict[str, Innovation], z: Array) -> Innovation:
         """All channels' innovations in the order of z; the blocks are independent, so their likelihoods multiply."""
         white, nis, log_likelihood = np.full(z.shape, np.nan), np.zeros(z.shape[1:]), np.zeros(z.shape[1:])
         for quantity, innovation in found.items():
-            white[self._rows[quantity]] = innovation.white[0]
-            nis, log_likelihood = nis + innovation.nis, log_likelihood + innovation.log_likelihood
+            rows = self._downlink if quantity == "downlink" else self._rows[quantity]
+            white[rows] = innovation.white[0]
+            over = 0 if quantity == "downlink" else ()
+            nis = nis + np.sum(innovation.nis, axis=over)
+            log_likelihood = log_likelihood + np.sum(innovation.log_likelihood, axis=over)
         return Innovation(white, nis, log_likelihood)
 
     def _silent(self, blocks: dict[str, Block], ago: Array) -> Array:
         """Whether a downlinked quantity had been silent for too long, ``ago`` seconds before now."""
-        return np.maximum.reduce([blocks[quantity].clock - ago for quantity in DOWNLINK]) > self.dropout
+        return blocks["downlink"].clock.max(axis=0) - ago > self.dropout
 
     def _azimuth_now(self, state: LoadFactorState) -> tuple[Gaussian, Array, Array]:
         """The azimuth block carried on to now, the computed acceleration behind it, and where that was clamped."""
@@ -337,47 +362,48 @@ class LoadFactor:
             if not further.any():
                 return moved, aid, clamped
             silent = self._silent(state.blocks, left)
-            by_aid = self._aided(moved, aid, span, left, state.blocks) if not silent.all() else None
-            alone = self._kinematic(moved, span) if silent.any() or by_aid is None else None
-            if by_aid is None or alone is None:
-                later, new, cut = by_aid or (alone, np.full_like(aid, np.nan), clamped)
+            if silent.all():
+                later, new, cut = self._kinematic(moved, span), np.full_like(aid, np.nan), np.zeros_like(clamped)
             else:
-                later, new, cut = by_aid
-                later, new = _where(silent, alone, later), np.where(silent, np.nan, new)
-            moved = later if further.all() else _where(further, later, moved)
+                later, new, cut = self._aided(moved, aid, span, left, state.blocks)
+                if silent.any():
+                    later, new = either(silent, self._kinematic(moved, span), later), np.where(silent, np.nan, new)
+            moved = later if further.all() else either(further, later, moved)
             aid, clamped = np.where(further, new, aid), np.where(further, cut, clamped)
 
     def _kinematic(self, gaussian: Gaussian, span: Array) -> Gaussian:
         """Azimuth with a first-order Markov acceleration: what is left without the downlink."""
         memory = self.kinematic_correlation_time
-        return predict(gaussian, *_matrices(3, memory, self.kinematic_density / memory**2, span))
+        return predict(gaussian, *integrators(3, memory, self.kinematic_density / memory**2, span))
 
     def _aided(
         self, gaussian: Gaussian, aid: Array, span: Array, left: Array, blocks: dict[str, Block]
     ) -> tuple[Gaussian, Array, Array]:
         """Azimuth over ``span`` that ends ``left`` before now, driven by the computed acceleration."""
-        angle, rate, acceleration = gaussian.mean
         if self.azimuth_acceleration != "corrected_residual":
             computed, clamped = self._computed(blocks, gaussian.mean, left + span)
             aid = np.where(np.isnan(aid), computed, aid)
-            F, Q = _printed_azimuth(span, self.azimuth_density)
-            moved = predict(gaussian, F, Q)
-            return (
-                Gaussian(np.stack([*moved.mean[:2], np.broadcast_to(aid, moved.mean[2].shape)]), moved.cov),
-                aid,
-                clamped,
-            )
+            moved = predict(gaussian, *_printed_azimuth(span, self.azimuth_density))
+            mean = np.stack(np.broadcast_arrays(moved.mean[0], moved.mean[1], aid))
+            return Gaussian(mean, moved.cov), aid, clamped
+        memory = self.azimuth_correlation_time
+        gaussian, aid = self._joined(gaussian, aid, self._computed(blocks, gaussian.mean, left + span)[0])
+        angle, rate, acceleration = np.broadcast_arrays(*gaussian.mean, aid)[:3]
         ahead = np.stack([angle + rate * span + 0.5 * acceleration * span**2, rate + acceleration * span, acceleration])
         computed, clamped = self._computed(blocks, ahead, left)
-        aid = np.where(np.isnan(aid), computed, aid)  # after a silence the residual starts from what is known
         known = np.stack([(2.0 * aid + computed) * span**2 / 6.0, 0.5 * (aid + computed) * span, computed])
-        memory = self.azimuth_correlation_time
         residual = Gaussian(np.stack([angle, rate, acceleration - aid]), gaussian.cov)
-        return (
-            predict(residual, *_matrices(3, memory, self.azimuth_density / memory**2, span), known),
-            computed,
-            clamped,
-        )
+        moved = predict(residual, *integrators(3, memory, self.azimuth_density / memory**2, span), known)
+        return moved, computed, clamped
+
+    def _joined(self, gaussian: Gaussian, aid: Array, computed: Array) -> tuple[Gaussian, Array]:
+        """The block where the downlink speaks again: the computed acceleration measures its own up to the residual."""
+        fresh = np.isnan(aid)
+        if not fresh.any():
+            return gaussian, aid
+        variance = 0.5 * self.azimuth_density / self.azimuth_correlation_time
+        measured = np.where(fresh, computed, np.nan)[None]
+        return update(gaussian, measured, np.eye(1, 3, 2), np.array([[variance]]))[0], np.where(fresh, computed, aid)
 
     def _computed(self, blocks: dict[str, Block], azimuth: Array, ago: Array) -> tuple[Array, Array]:
         """Azimuth acceleration from the other blocks' estimates, and where it was clamped [Glistin, eq. (1)]."""
@@ -385,7 +411,7 @@ class LoadFactor:
         for quantity, (order, memory, _) in self._dynamics.items():
             block = blocks[quantity]
             seen[quantity] = _ahead(block.mean, order, memory, np.maximum(block.clock - ago, 0.0))
-        n_x, n_y, n_z, gamma, theta, course = (seen[quantity][0] for quantity in DOWNLINK)
+        n_x, n_y, n_z, gamma, theta, course = seen["downlink"][0]
         a_X, a_Z = horizontal_acceleration(n_x, n_y, n_z, gamma, theta, self.zero_azimuth - course)
         (distance, distance_rate, line_of_sight), (elevation, elevation_rate) = seen["range"], seen["elevation"]
         if self.azimuth_acceleration == "published":
@@ -411,21 +437,21 @@ def _response(order: int, memory: float, time: Array) -> list[Array]:
     return [memory * (time - first), first, np.exp(-x)][3 - order :]
 
 
-def _matrices(order: int, memory: float, density: float, dt: Array) -> tuple[Array, Array]:
+def integrators(order: int, memory: float, density: float, dt: Array) -> tuple[Array, Array]:
     """(F, Q), both (n, n, *B), of a chain of integrators whose last state decays and is driven by white noise."""
-    if np.ndim(dt) == 0:
-        return _matrices_of_one(order, memory, density, float(dt))
-    return _matrices_of(order, memory, density, np.asarray(dt, dtype=float))
+    if np.ndim(dt) == np.ndim(density) == 0:
+        return _integrators_of_one(order, memory, density, float(dt))
+    return _integrators_of(order, memory, density, np.asarray(dt, dtype=float))
 
 
 @lru_cache(maxsize=4096)
-def _matrices_of_one(order: int, memory: float, density: float, dt: float) -> tuple[Array, Array]:
-    F, Q = _matrices_of(order, memory, density, np.asarray(dt))
+def _integrators_of_one(order: int, memory: float, density: float, dt: float) -> tuple[Array, Array]:
+    F, Q = _integrators_of(order, memory, density, np.asarray(dt))
     F.flags.writeable = Q.flags.writeable = False
     return F, Q
 
 
-def _matrices_of(order: int, memory: float, density: float, dt: Array) -> tuple[Array, Array]:
+def _integrators_of(order: int, memory: float, density: float, dt: Array) -> tuple[Array, Array]:
     F = np.zeros((order, order, *dt.shape))
     for i in range(order - 1):
         F[i, i] = 1.0
@@ -455,12 +481,19 @@ def _ahead(mean: Array, order: int, memory: float, dt: Array) -> tuple[Array, ..
     return (*moved, response[-1] * last)
 
 
-def _where(mask: Array, new: Gaussian, old: Gaussian) -> Gaussian:
+def either(mask: Array, new: Gaussian, old: Gaussian) -> Gaussian:
     """The new estimate in some runs, the old one in the others."""
     batch = np.ndim(mask)
     return Gaussian(
         np.where(mask, new.mean, old.mean), np.where(mask, lift(new.cov, 2, batch), lift(old.cov, 2, batch))
     )
+
+
+def _agreed(mask: Array) -> Array:
+    """A mask (6, *B) with one run in place of all where all runs agree: what they share stays shared."""
+    if mask.ndim == 1 or (mask != mask[..., :1]).any():
+        return mask
+    return mask[..., :1]
 
 
 def _chosen(mask: Array, new: Block, old: Block) -> Block:
@@ -469,5 +502,5 @@ def _chosen(mask: Array, new: Block, old: Block) -> Block:
         return new
     if not mask.any():
         return old
-    gaussian = _where(mask, Gaussian(new.mean, new.cov), Gaussian(old.mean, old.cov))
+    gaussian = either(mask, Gaussian(new.mean, new.cov), Gaussian(old.mean, old.cov))
     return Block(*gaussian, np.where(mask, new.clock, old.clock))
