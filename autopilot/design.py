@@ -109,7 +109,8 @@ class Designed(NamedTuple):
             Schedule(float(s["flaps"]), tuple(map(float, s["constant"])), tuple(map(float, s["slope"])))
             for s in table["schedules"]
         )
-        return cls(**{name: schedules if name == "schedules" else float(table[name]) for name in cls._fields})
+        numbers = {name: float(table[name]) for name in cls._fields if name != "schedules"}
+        return cls(schedules, **numbers)
 
 
 def design(points: Sequence[OperatingPoint], speed: float, bank_limit: float) -> Designed:
