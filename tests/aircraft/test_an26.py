@@ -301,3 +301,94 @@ def test_data_of_an_unknown_key_or_unit_are_refused(tmp_path):
             data(home)
     (home / "mine.toml").write_text('title = "Mine"\nwheel_track_ft = 10.0')
     assert data(home) == AircraftData(title="Mine", wheel_track=pytest.approx(3.048))
+
+
+def positions(controls_change, name, seconds=1.0):
+    """Position of a surface, rad, at 120 Hz after a step of its command from the trim."""
+    airframe = load("an26")
+    steady = trim(airframe, 72.0, flaps=math.radians(15.0))
+    airframe = load("an26")
+    airframe.begin(steady.initial)
+    found = [airframe._executive[f"fcs/{name}-pos-rad"]]
+    for _ in range(round(120 * seconds)):
+        airframe.step(steady.controls._replace(**controls_change), 1)
+        found.append(airframe._executive[f"fcs/{name}-pos-rad"])
+    return np.array(found)
+
+
+@pytest.mark.parametrize(
+    ("name", "command", "stop"),
+    [
+        ("elevator", 1.0, -build.fact("elevator_up")),
+        ("elevator", -1.0, build.fact("elevator_down")),
+        ("aileron", 1.0, build.fact("aileron_travel")),
+        ("rudder", 1.0, -build.fact("rudder_travel")),
+    ],
+)
+def test_surfaces_run_at_their_rate_to_their_stop(name, command, stop):
+    angles = positions({name: command}, name)
+    assert angles[-1] == pytest.approx(stop, abs=1e-3)
+    assert np.abs(np.diff(angles)).max() * 120.0 == pytest.approx(build.fact("actuator_rate"), rel=0.01)
+
+
+def test_a_small_command_is_followed_with_the_actuators_bandwidth():
+    before = positions({}, "aileron", 0.1)[-1]
+    angles = positions({"aileron": 0.02}, "aileron", 0.5) - before
+    final = 0.02 * build.fact("aileron_travel")
+    lag = 1.0 / build.fact("actuator_bandwidth")
+    reached = np.interp(1.0 - math.exp(-1.0), angles / final, np.arange(len(angles)) / 120.0)
+    assert reached == pytest.approx(lag, abs=1.5 / 120.0)  # a discrete lag, one step of delay
+
+
+def test_the_ground_lifts_and_takes_induced_drag():
+    airframe = load("an26")
+    steady = trim(airframe, 58.0, height=300.0, flaps=math.radians(38.0), gear=1.0)
+    far = airframe.begin(steady.initial)
+    near = airframe.begin(steady.initial._replace(height=3.0))
+    (drag_far, _, lift_far), (drag_near, _, lift_near) = far.load_factor, near.load_factor
+    above = (3.0 + build.fact("wing_height")) / build.fact("span")
+    aspect_ratio = build.fact("span") ** 2 / build.fact("area")
+    density = 1.0 + 297.0 * 9.6e-5  # per metre near sea level
+    more_lift = handbook.ground_effect_on_lift(above, aspect_ratio)
+    assert lift_near / lift_far == pytest.approx(more_lift * density, rel=0.01)
+    slope = build.derivatives()["CLa"]
+    alpha = steady.initial.angle_of_attack + build.fact("incidence")
+    lift = build.lift_coefficient(alpha, 38.0, slope)
+    induced = handbook.induced_drag_factor(aspect_ratio, build.fact("oswald")) * lift**2
+    left = handbook.ground_effect_on_induced_drag(above)
+    # drag balanced the thrust far from the ground; near it the density raises both
+    spared = density * (induced - induced * left * more_lift**2)
+    assert drag_near - drag_far == pytest.approx(spared / lift * lift_far, rel=0.05)
+
+
+def test_beyond_the_stall_lift_falls_and_drag_grows():
+    airframe = load("an26")
+    steady = trim(airframe, 58.0, height=300.0, flaps=math.radians(38.0), gear=1.0)
+    found = []
+    for alpha in (13.0, 20.0):  # of the body: the top is at 16 deg of the wing
+        state = airframe.begin(steady.initial._replace(angle_of_attack=math.radians(alpha), pitch=math.radians(alpha)))
+        found.append(state.load_factor)
+    assert found[1][2] < 0.97 * found[0][2]
+    assert found[1][0] < found[0][0] - 0.05
+
+
+@pytest.mark.parametrize("sink", [0.5, 3.05])
+def test_a_touchdown_comes_to_rest_on_its_wheels(sink):
+    airframe = load("an26")
+    path = -math.asin(sink / 55.0)
+    steady = trim(airframe, 55.0, path, 20.0, math.radians(38.0), 1.0)
+    airframe = load("an26")
+    # both main wheels first: 2 deg nose up, as after a flare
+    start = steady.at(0.0, 0.0, 3.2, 0.0)._replace(
+        pitch=math.radians(2.0), angle_of_attack=math.radians(2.0) - path, airspeed=52.0
+    )
+    airframe.begin(start)
+    loads = []
+    for _ in range(30 * 25):
+        airframe.step(start.controls._replace(throttle=0.0, elevator=-0.05), 4)
+        state = airframe.read()
+        loads.append(state.load_factor[2])
+    assert state.main_wheels == 1.0
+    assert abs(state.velocity_up) < 0.02
+    assert abs(state.bank) < 1e-6
+    assert max(loads) < 3.0  # well within what struts of the design sink rate bring
