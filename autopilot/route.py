@@ -234,7 +234,7 @@ def pattern_route(
     aiming_point: float,
     runway_heading: float,
     wind: tuple[float, float] = (0.0, 0.0),
-    time_to_roll: float = 2.2,
+    time_to_roll: float = 2.8,
 ) -> Route:
     """The landing pattern: downwind, base and final, which ends at the aiming point [Volovyk 2022, fig. 1].
 
