@@ -76,7 +76,7 @@ class Route:
 
     legs: tuple[Leg, ...]
     wind: tuple[float, float] = (0.0, 0.0)  # m/s, the way the air moves, (north, east)
-    time_to_roll: float = 2.2  # s, by which the turn lags behind its command
+    time_to_roll: float = 2.8  # s, by which the turn lags behind its plan; see Designed.time_to_roll
     _lines: tuple[tuple[float, ...], ...] = field(init=False, repr=False, compare=False)  # end, direction, course
 
     def __post_init__(self) -> None:
