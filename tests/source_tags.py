@@ -106,9 +106,10 @@ def places_of(paper: str, text: str) -> list[str]:
                 place += step[0]
                 rest = rest[step.end() :]
             places.append(place)
-        if rest and not rest.startswith(", "):
+        joint = re.match(r", | and |$", rest)
+        if joint is None:
             raise ValueError(f"'{rest}' does not follow a comma")
-        rest = rest[2:]
+        rest = rest[joint.end() :]
     return places
 
 
@@ -138,7 +139,7 @@ def collect(documented: Iterator[Documented] | list[Documented]) -> Collection:
         found.problems.extend(
             f"{where}: {strange} names no listed paper"
             for strange in _LOOKS_LIKE_A_TAG.findall(text)
-            if not _TAG.fullmatch(strange)
+            if not _TAG.fullmatch(strange) and strange[1:-1] not in keys
         )
         for match in _ERRATUM.finditer(owner.text):
             line = " ".join(match[1].split())
@@ -186,13 +187,15 @@ def untagged(tags: list[Tag]) -> list[tuple[str, str]]:
 
 
 def unmarked(collection: Collection) -> list[tuple[str, str]]:
-    """(paper, erratum) of places that the code implements without an ``Erratum:`` line for them."""
+    """(paper, erratum) of places that the code implements without an ``Erratum:`` line for them; not those of prose."""
     marked = {place for erratum in collection.errata for place in erratum.places}
     tagged = {(tag.paper, tag.place) for tag in collection.tags}
     return [
         (paper, name)
         for paper, name, erratum in errata_listed()
-        if set(_listed(paper, erratum)) & tagged and not set(_listed(paper, erratum)) & marked
+        if "no_mutant" not in erratum
+        and set(_listed(paper, erratum)) & tagged
+        and not set(_listed(paper, erratum)) & marked
     ]
 
 
