@@ -15,6 +15,7 @@ from sim.checks import judge
 from sim.doctor import versions
 from sim.flight import Flight
 from sim.metrics import flight_metrics, summarise
+from sim.navigation import navigator
 from sim.observation import SensorRecord, observe
 from sim.output import claim, staged, write_json, write_npz
 from sim.preparation import Prepared, prepare
@@ -50,7 +51,13 @@ def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
     if not isinstance(prepared, Prepared):
         prepared = prepare(prepared if isinstance(prepared, Scenario) else read(prepared))
     return flights.fly(
-        prepared.vehicle, prepared.autopilot, prepared.initial, prepared.wind(flight), prepared.limits, prepared.phases
+        prepared.vehicle,
+        prepared.autopilot,
+        prepared.initial,
+        prepared.wind(flight),
+        prepared.limits,
+        prepared.phases,
+        navigator(prepared, flight),
     )
 
 

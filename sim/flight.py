@@ -67,15 +67,27 @@ class Flight:
         return np.isin(self.phase, [i for i, name in enumerate(self.phases) if name in wanted])
 
 
-def fly(vehicle: Any, autopilot: Any, initial: Any, wind: Any, limits: Limits, phases: tuple[str, ...]) -> Flight:
+def fly(
+    vehicle: Any,
+    autopilot: Any,
+    initial: Any,
+    wind: Any,
+    limits: Limits,
+    phases: tuple[str, ...],
+    navigator: Any = None,
+) -> Flight:
     """Fly one flight to its end.
 
     ``vehicle`` and ``autopilot`` are begun here and stepped by turns: the autopilot sees the state, the vehicle flies
-    the command. A flight that diverges is an outcome with its time, never an exception.
+    the command. With a ``navigator`` the autopilot sees the place that a tracker believes instead of the true one. A
+    flight that diverges is an outcome with its time, never an exception.
     """
     body = vehicle.begin(initial, wind)
     state = vehicle.read(body)
-    pilot = autopilot.begin(state, initial.leg)
+    seen, sight = state, None
+    if navigator is not None:
+        sight, seen = navigator.begin(state)
+    pilot = autopilot.begin(seen, initial.leg)
     judge = Judge(limits, autopilot.route)
     states, commands, legs, flown, events = [], [], [], [], []
     pilot_step, vehicle_step, read = autopilot.step, vehicle.step, vehicle.read
@@ -84,7 +96,9 @@ def fly(vehicle: Any, autopilot: Any, initial: Any, wind: Any, limits: Limits, p
     verdict = None
     while verdict is None:
         near_ground = state.height < NEAR_GROUND
-        pilot, command = pilot_step(pilot, state, half if near_ground else RECORD_STEP)
+        pilot, command = pilot_step(pilot, seen, half if near_ground else RECORD_STEP)
+        if seen is not state:
+            command = _as_seen(command, state, seen)
         states.append(state)
         commands.append(command)
         legs.append(pilot.leg)
@@ -96,11 +110,20 @@ def fly(vehicle: Any, autopilot: Any, initial: Any, wind: Any, limits: Limits, p
         try:
             if near_ground:
                 body = vehicle_step(body, command, half)
-                pilot, command = pilot_step(pilot, read(body), half)
+                between = read(body)
+                if seen is state:
+                    pilot, command = pilot_step(pilot, between, half)
+                else:
+                    moved = _moved(between, state, seen)
+                    pilot, command = pilot_step(pilot, moved, half)
+                    command = _as_seen(command, between, moved)
                 body = vehicle_step(body, command, half)
             else:
                 body = vehicle_step(body, command, RECORD_STEP)
-            state = read(body)
+            before, state = state, read(body)
+            seen = state
+            if navigator is not None:
+                sight, seen = navigator.step(sight, before, state)
         except FlightError as error:
             verdict = verdict or ("diverged", str(error))
     outcome, reason = verdict
@@ -115,4 +138,20 @@ def fly(vehicle: Any, autopilot: Any, initial: Any, wind: Any, limits: Limits, p
         tuple(events),
         outcome,
         reason,
+    )
+
+
+def _as_seen(command: Command, state: AircraftState, seen: AircraftState) -> Command:
+    """The command with the height error that the autopilot sees: the inner loops know the true height."""
+    return command._replace(height=command.height + state.height - seen.height)
+
+
+def _moved(now: AircraftState, before: AircraftState, seen: AircraftState) -> AircraftState:
+    """What is seen half a record later: the error of the sight is carried on."""
+    return now._replace(
+        north=now.north + seen.north - before.north,
+        east=now.east + seen.east - before.east,
+        height=now.height + seen.height - before.height,
+        velocity_north=now.velocity_north + seen.velocity_north - before.velocity_north,
+        velocity_east=now.velocity_east + seen.velocity_east - before.velocity_east,
     )

@@ -20,7 +20,7 @@ class SensorRecord(NamedTuple):
     time: np.ndarray  # (k,) s
     arrival: np.ndarray  # (k,) s
     z: np.ndarray  # (k, m, draws)
-    R: np.ndarray  # (k, m, m)
+    R: np.ndarray  # (k, m, m), or (k, m, m, draws) where the accuracy depends on the measured place
 
 
 def observe(
@@ -53,14 +53,16 @@ def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> 
     stamps = np.concatenate([np.column_stack((r.arrival, r.time)) for _, r in chosen])
     stamps = np.unique(stamps, axis=0)
     k, m = len(stamps), len(channels)
-    z, R = np.full((k, m, draws), np.nan), np.zeros((k, m, m))
+    z = np.full((k, m, draws), np.nan)
+    per_draw = any(record.R.ndim == 4 for _, record in chosen)  # a stated accuracy that depends on the measured place
+    R = np.zeros((k, m, m, draws if per_draw else 1))
     R[:, range(m), range(m)] = 1.0
     row = 0
     for _, record in chosen:
         n = len(record.channels)
         place = np.searchsorted(_sortable(stamps), _sortable(np.column_stack((record.arrival, record.time))))
         z[place, row : row + n] = record.z
-        R[place, row : row + n, row : row + n] = record.R
+        R[place, row : row + n, row : row + n] = record.R if record.R.ndim == 4 else record.R[..., None]
         row += n
     return Measurements(channels, stamps[:, 1], stamps[:, 0], z, R)
 

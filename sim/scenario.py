@@ -271,7 +271,7 @@ def _build(origin: str, tables: dict[str, Any]) -> Scenario:
         "name": tables["name"],
         "seed": tables.get("seed", DEFAULTS["seed"]),
         "flights": tables.get("flights", DEFAULTS["flights"]),
-        "draws": tables.get("draws", DEFAULTS["draws"]),
+        "draws": _draws(faults, tables),
         "until": tables.get("until_s"),
         "runway": runway,
         "aircraft": table("aircraft", AircraftChoice),
@@ -302,6 +302,15 @@ def _build(origin: str, tables: dict[str, Any]) -> Scenario:
     if faults:
         raise ScenarioError("\n".join(f"{origin}: {fault}" for fault in faults))
     return Scenario(**scenario, tables=_resolved(tables, scenario))
+
+
+def _draws(faults: list[str], tables: dict[str, Any]) -> int:
+    """Noise draws per flight: one where a tracker flies the aircraft, since its noise then shapes the flight."""
+    if tables.get("autopilot", {}).get("navigation", "truth") == "truth":
+        return int(tables.get("draws", DEFAULTS["draws"]))
+    if tables.get("draws", 1) != 1:
+        faults.append("draws: must be 1 where a tracker navigates, because its noise shapes the flight; use 'flights'")
+    return 1
 
 
 def _construct(faults: list[str], place: str, cls: type, table: dict[str, Any], **given: Any) -> Any:

@@ -8,21 +8,17 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from sim import catalogue, channels
+from sim import catalogue, channels, components
 from sim.errors import ScenarioError
 from sim.flight import Flight
 from sim.observation import SensorRecord, measurements
 from sim.parameters import GIVEN, construct
 from sim.preparation import Prepared
-from sim.randomness import stream
 from sim.scenario import TrackerChoice
-from tracking.gaussian import Gaussian
 from tracking.measurement import DebiasedPolar, LinearMeasurement, Stacked
-from tracking.motion import CARTESIAN
 from tracking.track import Measurements, Track
 from tracking.track import track as run_tracker
 
-PRIOR_POSITION, PRIOR_RATE = 100.0, 5.0  # m, m/s: what the unit that hands over knows
 ELLIPSE, LOST_AFTER = 1 - 1e-6, 10  # a track is lost after so many epochs outside this ellipse
 
 
@@ -35,16 +31,19 @@ class Tracked(NamedTuple):
 
     def arrays(self, name: str) -> dict[str, np.ndarray]:
         """For tracks.npz."""
-        return {
+        arrays = {
             f"{name}.time_s": self.track.time,
             f"{name}.channels": np.array(self.track.channels),
             f"{name}.mean": self.track.mean,
             f"{name}.cov": self.track.cov,
         }
+        if self.track.model_probabilities is not None:
+            arrays[f"{name}.model_probabilities"] = self.track.model_probabilities
+        return arrays
 
 
 def track(
-    prepared: Prepared, flight: Flight, records: dict[str, SensorRecord], own: dict[str, Any]
+    prepared: Prepared, flight: Flight, records: dict[str, SensorRecord], own: dict[str, Any], number: int = 0
 ) -> tuple[dict[str, Tracked], dict[str, Any]]:
     """Run the trackers of a scenario, and ``own`` trackers of the caller, over one recorded flight.
 
@@ -53,44 +52,45 @@ def track(
     """
     tracked: dict[str, Tracked] = {}
     figures: dict[str, Any] = {}
-    choices = dict(prepared.scenario.trackers)
-    for name, choice in choices.items():
-        record = measurements(records, choice.sensors)
-        if not len(record.time):
-            figures[name] = {"kind": choice.kind, "law_from": None, "overall": {}, "by_phase": {}}
-            continue
-        tracker, law_from = build(prepared, name, choice)
-        tracked[name] = Tracked(_follow(prepared, flight, name, tracker, record), record, law_from)
-        figures[name] = {
-            "kind": choice.kind,
-            "law_from": law_from,
-            **_judge(prepared, flight, choice.sensors, tracked[name]),
-        }
-    for name, tracker in own.items():
-        sensors = tuple(records)
+    choices = {name: (choice.kind, choice.sensors, choice) for name, choice in prepared.scenario.trackers.items()}
+    choices |= {name: ("own", tuple(records), None) for name in own}
+    for name, (kind, sensors, choice) in choices.items():
         record = measurements(records, sensors)
-        tracked[name] = Tracked(_follow(prepared, flight, name, tracker, record), record, None)
-        figures[name] = {"kind": "own", "law_from": None, **_judge(prepared, flight, sensors, tracked[name])}
+        tracker, law_from = (own[name], None) if choice is None else build(prepared, name, choice)
+        figures[name] = {"kind": kind, "law_from": law_from, "overall": {}, "by_phase": {}}
+        if not len(record.time) or np.isnan(record.z).all():
+            continue  # never in sight: n/a, not an error
+        tracked[name] = Tracked(_follow(prepared, flight, name, tracker, record, number), record, law_from)
+        figures[name] |= _judge(prepared, flight, sensors, tracked[name])
     return tracked, figures
 
 
 def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, str | None]:
-    """A tracker with what the simulation gives it, and where the law it is told comes from (None = it needs none)."""
+    """A tracker with what the simulation gives it, and where the law it is told comes from (None = it needs none).
+
+    Raises ``ScenarioError`` where its sensors do not give what it needs.
+    """
     cls = catalogue.load("trackers", choice.kind)
     wanted = _given(cls)
+    sensors = {sensor: prepared.scenario.sensors[sensor] for sensor in choice.sensors}
     supplied: dict[str, Any] = {}
     law_from = None
     if "law" in wanted:
-        supplied["law"], law_from = _told(prepared.law, choice)
+        supplied["law"], law_from = _told(prepared.law, name, choice)
     if "route" in wanted:
         supplied["route"] = prepared.route
     if "measurement" in wanted:
-        supplied["measurement"] = _measurement(prepared, name, choice.sensors)
+        supplied["measurement"] = measurement_model(sensors, chart_height(prepared), name)
+    if "measured" in wanted:
+        supplied["measured"] = tuple(f"{s}.{channel}" for s, sensor in sensors.items() for channel in sensor.channels)
+    if "zero_azimuth" in wanted:
+        radar = next((sensor for sensor in sensors.values() if hasattr(sensor, "zero_azimuth")), None)
+        if radar is None:
+            raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}' needs a sensor that measures an azimuth")
+        supplied["zero_azimuth"] = radar.zero_azimuth
     missing = [field for field, required in wanted.items() if required and field not in supplied]
     if missing:
-        raise ScenarioError(
-            f"[trackers.{name}] kind '{choice.kind}' needs {', '.join(missing)}, which no scenario gives"
-        )
+        raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}' needs {missing[0]}, which no scenario gives")
     try:
         return construct(cls, choice.table, **supplied), law_from
     except ValueError as error:
@@ -107,85 +107,94 @@ def _given(cls: type) -> dict[str, bool]:
     }
 
 
-def _told(law: Any, choice: TrackerChoice) -> tuple[Any, str]:
+def _told(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
     """The law that flies, or the one that the file tells instead: absolute values (SI) or factors."""
     changes = {}
+    fields = [field.name for field in dataclasses.fields(law)]
     for key, value in choice.law.items():
         attribute = key.removesuffix("_factor")
-        if not hasattr(law, attribute):
-            names = [f"{field.name}_factor" for field in dataclasses.fields(law)]
-            raise ScenarioError(f"law of a tracker: no key '{key}'; allowed: {', '.join(names)}")
+        if attribute not in fields:
+            names = ", ".join(f"{field}_factor" for field in fields)
+            raise ScenarioError(f"[trackers.{name}.law] {key}: no such key; allowed: {names}")
         changes[attribute] = value * getattr(law, attribute) if key.endswith("_factor") else value
     return dataclasses.replace(law, **changes), "told wrong" if changes else "autopilot"
 
 
-def _measurement(prepared: Prepared, name: str, sensors: tuple[str, ...]) -> Any:
-    """How the plots of its sensors become positions; a radar without elevation takes the height from the chart."""
-    models = []
-    for sensor_name in sensors:
-        sensor = prepared.scenario.sensors[sensor_name]
+def chart_height(prepared: Prepared) -> float:
+    """Height that a radar without elevation takes for granted, m."""
+    return prepared.route.legs[0].height
+
+
+def measurement_model(sensors: dict[str, Any], height: float, name: str) -> Any:
+    """How the plots of sensors become positions."""
+    models: list[Any] = []
+    for sensor_name, sensor in sensors.items():
         if sensor.channels == ("north", "east"):
             models.append(LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))))
         elif sensor.channels[:2] == ("range", "azimuth"):
             north, east, up = sensor.antenna
-            height = None if "elevation" in sensor.channels else prepared.route.legs[0].height - up
-            models.append(DebiasedPolar((north, east), sensor.zero_azimuth, height))
+            known = None if "elevation" in sensor.channels else height - up
+            models.append(DebiasedPolar((north, east), sensor.zero_azimuth, known))
         else:
-            raise ScenarioError(f"[trackers.{name}] sensors: '{sensor_name}' gives no position")
+            raise ScenarioError(
+                f"[trackers.{name}] sensors: '{sensor_name}' measures {', '.join(sensor.channels)}, "
+                f"which is no position"
+            )
     return models[0] if len(models) == 1 else Stacked(tuple(models))
 
 
-def _follow(prepared: Prepared, flight: Flight, name: str, tracker: Any, record: Measurements) -> Track:
-    """Begin at the first epoch, at the truth and a draw of the prior's error."""
-    first = channels.truth_at(flight, record.time[:1])
-    states = {
-        "north": (first.position[0, 0], PRIOR_POSITION),
-        "east": (first.position[1, 0], PRIOR_POSITION),
-        "north_rate": (first.velocity[0, 0], PRIOR_RATE),
-        "east_rate": (first.velocity[1, 0], PRIOR_RATE),
-    }
-    unknown = [channel for channel in tracker.channels if channel not in states]
-    if unknown:
-        raise ScenarioError(f"[trackers.{name}] no prior for its component '{unknown[0]}' in a scenario")
-    mean, sigma = (np.array([states[channel][i] for channel in tracker.channels]) for i in (0, 1))
-    draws = record.z.shape[2]
-    seed = prepared.scenario.seed
-    # one prior error per draw, the same for every tracker: it belongs to the unit that hands over
-    standard = np.stack(
-        [stream(seed, 0, draw, "prior").standard_normal(len(CARTESIAN)) for draw in range(draws)], axis=1
-    )
-    rows = [CARTESIAN.index(channel) for channel in tracker.channels]
-    prior = Gaussian(mean[:, None] + sigma[:, None] * standard[rows], np.diag(sigma**2))
-    return run_tracker(tracker, record, prior, start=float(record.arrival.min()))
+def begins(prepared: Prepared, name: str, record: Measurements, flight: Flight) -> float:
+    """When a track begins, s: with the first look, or with the flight where the autopilot flies on it."""
+    if prepared.scenario.autopilot.navigation == name:
+        return float(flight.time[0])
+    return float(record.arrival.min())
 
 
-def _judge(prepared: Prepared, flight: Flight, sensors: tuple[str, ...], tracked: Tracked) -> dict[str, Any]:
+def _follow(prepared: Prepared, flight: Flight, name: str, tracker: Any, record: Measurements, number: int) -> Track:
+    start = begins(prepared, name, record, flight)
+    sensors = prepared.scenario.sensors
+    try:
+        prior = components.prior(
+            flight, sensors, tracker.channels, start, prepared.scenario.seed, number, record.z.shape[2]
+        )
+    except KeyError as error:
+        raise ScenarioError(f"[trackers.{name}] nothing is known of its component {error} when it begins") from None
+    return run_tracker(tracker, record, prior, start=start)
+
+
+def _judge(prepared: Prepared, flight: Flight, names: tuple[str, ...], tracked: Tracked) -> dict[str, Any]:
     from tracking import consistency  # imports scipy.stats, which a run without trackers does not need
 
-    truth = channels.truth_at(flight, tracked.track.time)
-    cov = tracked.track.cov if tracked.track.cov.ndim == 4 else tracked.track.cov[..., None]
-    errors = channels.compare(flight, truth, tracked.track.channels, tracked.track.mean, cov)
-    plots = channels.raw(flight, truth, _plots(prepared, sensors, tracked.measurements, truth))
-    present = ~np.isnan(tracked.measurements.z).all(axis=(1, 2))
+    sensors = {name: prepared.scenario.sensors[name] for name in names}
+    track, record = tracked.track, tracked.measurements
+    truth = channels.truth_at(flight, track.time)
+    order = np.argsort(record.arrival, kind="stable")
+    cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
+    errors = channels.compare(flight, truth, track.channels, track.mean, cov, sensors)
+    taken = channels.truth_at(flight, record.time[order])  # a plot is judged when it was true, an estimate now
+    plots = channels.raw(flight, taken, record.channels, record.z[order], sensors, chart_height(prepared))
     figures: dict[str, Any] = {"overall": {}, "by_phase": {}}
     for channel, compared in errors.items():
-        squares, raw_squares = channels.squared(compared), channels.squared(plots[channel])
-        figures["overall"][channel] = _figure(squares[present], raw_squares[present])
-        for index in np.unique(truth.phase[present]):
-            chosen = present & (truth.phase == index)
+        squares = channels.squared(compared)
+        measured = channels.squared(plots[channel]) if channel in plots else np.full_like(squares, np.nan)
+        looked = np.isfinite(measured).any(axis=1) if channel in plots else np.ones(len(squares), bool)
+        if not looked.any():
+            continue
+        figures["overall"][channel] = _figure(squares[looked], measured[looked])
+        for index in np.unique(truth.phase[looked]):
+            chosen = looked & (truth.phase == index)
             by_phase = figures["by_phase"].setdefault(flight.phases[index], {})
-            by_phase[channel] = _figure(squares[chosen], raw_squares[chosen])
+            by_phase[channel] = _figure(squares[chosen], measured[chosen])
     first = next(iter(errors.values()), None)
     if first is not None:
-        normalised = channels.normalised(first) / first.error.shape[1]
-        anees = consistency.mean_interval(np.nanmean(normalised[present], axis=0))
+        dimension = first.error.shape[1]
+        squares = channels.normalised(first)
+        anees = consistency.mean_interval(np.mean(squares, axis=0) / dimension)
         figures |= {"anees": anees.value, "anees_low": anees.low, "anees_high": anees.high}
-        figures["lost_fraction"] = _lost(normalised * first.error.shape[1], first.error.shape[1])
-    measured = np.isfinite(tracked.track.white).sum(axis=1)
-    nis = np.where(measured > 0, tracked.track.nis, np.nan)
-    figures["anis"] = (
-        float(np.nanmean(nis / np.where(measured > 0, measured, np.nan))) if (measured > 0).any() else None
-    )
+        figures["lost_fraction"] = _lost(squares, dimension)
+    rows = np.isfinite(track.white).sum(axis=1)
+    if rows.any():
+        figures["anis"] = float(np.sum(np.where(rows > 0, track.nis, 0.0)) / rows.sum())
     return figures
 
 
@@ -193,44 +202,14 @@ def _figure(squares: np.ndarray, raw: np.ndarray) -> dict[str, float | None]:
     """RMSE over epochs and draws with an interval over draws, beside that of the raw measurements."""
     from tracking import consistency
 
-    finite = np.isfinite(raw)
-    if not finite.any():
-        return {"rmse": None, "low": None, "high": None, "raw": None, "gain": None}
     own = consistency.rmse(squares.mean(axis=0))
-    measured = float(np.sqrt(np.mean(raw[finite])))
-    common = float(np.sqrt(np.mean(squares[finite])))
-    return {
-        "rmse": own.value,
-        "low": own.low,
-        "high": own.high,
-        "raw": measured,
-        "gain": measured / common if common else None,
-    }
-
-
-def _plots(prepared: Prepared, sensors: tuple[str, ...], record: Measurements, truth: channels.Truth) -> np.ndarray:
-    """North and east (k, 2, draws) of the first sensor that measured at each epoch."""
-    k, _, draws = record.z.shape
-    plots = np.full((k, 2, draws), np.nan)
-    row = 0
-    for name in sensors:
-        sensor = prepared.scenario.sensors[name]
-        m = len(sensor.channels)
-        z = record.z[:, row : row + m]
-        row += m
-        if sensor.channels == ("north", "east"):
-            found = z
-        else:
-            north, east, up = sensor.antenna
-            if m == 3:
-                ground = z[:, 0] * np.cos(z[:, 2])
-            else:
-                chart = prepared.route.legs[0].height - up
-                ground = np.sqrt(np.maximum(z[:, 0] ** 2 - chart**2, 0.0))
-            bearing = z[:, 1] + sensor.zero_azimuth
-            found = np.stack((north + ground * np.cos(bearing), east + ground * np.sin(bearing)), axis=1)
-        plots = np.where(np.isnan(plots), found, plots)
-    return plots
+    figure: dict[str, float | None] = {"rmse": own.value, "low": own.low, "high": own.high, "raw": None, "gain": None}
+    finite = np.isfinite(raw)
+    if finite.any():
+        figure["raw"] = float(np.sqrt(np.mean(raw[finite])))
+        common = float(np.sqrt(np.mean(squares[finite])))
+        figure["gain"] = figure["raw"] / common if common else None
+    return figure
 
 
 def _lost(normalised: np.ndarray, dimension: int) -> float:
@@ -242,4 +221,4 @@ def _lost(normalised: np.ndarray, dimension: int) -> float:
     for row in outside:
         streak = (streak + 1) * row
         longest = np.maximum(longest, streak)
-    return float(np.mean(longest >= LOST_AFTER))
+    return float(np.mean((longest >= LOST_AFTER) | ~np.isfinite(normalised).all(axis=0)))

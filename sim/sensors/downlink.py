@@ -19,7 +19,7 @@ CHANNELS = (
     "load_factor_up",
     "aerodynamic_bank",
     "flight_path_angle",
-    "course",
+    "air_course",
 )
 
 

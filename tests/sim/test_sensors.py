@@ -66,7 +66,7 @@ def test_noise_passes_a_chi_square_against_the_stated_covariance(kind, variant, 
     sensor = build(kind, variant)
     record = observe(glide, {"x": sensor}, seed=5, draws=40)["x"]
     error = record.z - truth_at(sensor, glide, record.time).T[:, :, None]
-    angles = [i for i, name in enumerate(sensor.channels) if name in ("azimuth", "elevation", "course")]
+    angles = [i for i, name in enumerate(sensor.channels) if name in ("azimuth", "elevation", "air_course")]
     error[:, angles] = wrapped(error[:, angles])
     R = record.R if record.R.ndim == 4 else record.R[..., None]
     squares = np.einsum("kdn,kdn->kn", error, error / np.einsum("kddn->kdn", R))
