@@ -85,7 +85,7 @@ class LineDeviation(NamedTuple):
 
     @property
     def heading_error(self) -> Array:
-        """The same: a tracker knows no heading."""
+        """The same: the line knows no wind."""
         return self.track_error
 
 
@@ -122,6 +122,12 @@ class Legs:
     bank_limit: float  # rad, of the turns between legs
     channels = CARTESIAN
 
+    @property
+    def wind(self) -> tuple[float, float]:
+        """The way the air moves, (north, east) in m/s, as far as the route knows it."""
+        wind: tuple[float, float] = getattr(self.route, "wind", (0.0, 0.0))
+        return wind
+
     @cached_property
     def _normals(self) -> Array:
         return np.array([(-leg.direction[1], leg.direction[0]) for leg in self.route.legs]).T
@@ -139,12 +145,16 @@ class Legs:
         return np.argmin(ways, axis=0)
 
     def deviation(self, place: Array, mean: Array) -> Any:
-        return self.route.deviation(place, (mean[0], mean[2]), (mean[1], mean[3]))
+        north, east = self.wind
+        heading = np.arctan2(mean[3] - east, mean[1] - north) if north or east else None
+        return self.route.deviation(place, (mean[0], mean[2]), (mean[1], mean[3]), heading)
 
     def normal(self, place: Array) -> Array:
         return self._normals[:, place]
 
     def advance(self, place: Array, mean: Array, dt: float) -> Array:
+        if np.all(place == len(self.route.legs) - 1):
+            return place
         return self.route.sequence(place, (mean[0], mean[2]), (mean[1], mean[3]), self.bank_limit)
 
 

@@ -110,24 +110,31 @@ def shaken(x, factor, rng):
     return x + np.concatenate([factor @ rng.standard_normal((2, runs)), factor @ rng.standard_normal((2, runs))])
 
 
-def route_truth(law, route, start, seconds, rng, runs, density=0.1, period=PERIOD, dt=0.1, roll_lag=0.0, control=None):
-    """Course kinematics along a route, the law on the true deviation, with an optional first-order roll."""
+def route_truth(law, route, start, seconds, rng, runs, density=0.1, period=PERIOD, dt=0.2, roll_lag=0.0, control=None):
+    """Course kinematics along a route in its wind, the law on the true deviation, with an optional first-order roll."""
     x = np.array(start, dtype=float)[:, None] + np.zeros((4, runs))
     leg = np.zeros(runs, dtype=int)
     bank = np.zeros(runs)
+    wind = np.array(route.wind)[:, None]
     factor = noise_factor(density, dt)
     share = 1.0 if roll_lag == 0.0 else 1.0 - math.exp(-dt / roll_lag)
-    xs, legs = [x], [leg]
+    xs, legs = [x.copy()], [leg]
     for k in range(round(seconds / period)):
         for i in range(round(period / dt)):
             if control is None:
-                wanted = law(route.deviation(leg, x[0::2], x[1::2]))
+                heading = np.arctan2(x[3] - wind[1], x[1] - wind[0])
+                wanted = law(route.deviation(leg, x[0::2], x[1::2], heading))
             else:
                 wanted = control(k * period + i * dt, x[2:], math.inf)
             bank = bank + share * (wanted - bank)
-            x = shaken(turned(x, bank, dt), factor, rng)
-            leg = route.sequence(leg, x[0::2], x[1::2], float(law.bank_limit))
-        xs.append(x)
+            x[1::2] -= wind
+            x = turned(x, bank, dt)
+            x[0::2] += dt * wind
+            x[1::2] += wind
+            x = shaken(x, factor, rng)
+            if len(route.legs) > 1:
+                leg = route.sequence(leg, x[0::2], x[1::2], float(law.bank_limit))
+        xs.append(x.copy())
         legs.append(leg)
     return Flown(np.array(xs), np.array(legs))
 

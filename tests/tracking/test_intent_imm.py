@@ -57,7 +57,7 @@ def test_never_far_from_the_better_uniform_motion_on_a_line(name):
 
 @pytest.mark.parametrize("name", ["exact outside", "exact inside", "offset", "crossing", "manual"])
 def test_never_far_from_the_better_uniform_motion_on_a_leg(name):
-    truth = ten_on_leg(name, 53, 20)
+    truth = ten_on_leg(name, 53, 20, 200.0)
     found = errors(ON_LEG, truth, 54)
     uniform = [Kalman(PLANE, ConstantVelocity(q)) for q in (0.3, 3.0)]
     assert ratio(found, best_uniform(uniform, truth, 54)).value <= 1.20

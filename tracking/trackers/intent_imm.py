@@ -95,11 +95,11 @@ class IntentImm:
         return laws
 
     def begin(self, prior: Gaussian) -> Intent:
-        batch = prior.mean.ndim - 1
-        count = len(self.modes)
-        weights = np.full((count, *prior.mean.shape[1:]), 1.0 / count)
+        runs, count = prior.mean.shape[1:], len(self.modes)
+        weights = np.full((count, *runs), 1.0 / count)
         mean = np.repeat(prior.mean[:, None], count, axis=1)
-        cov = np.repeat(lift(prior.cov, 2, batch)[:, :, None], count, axis=2)
+        cov = np.empty((len(mean), *mean.shape))
+        cov[:] = lift(prior.cov, 2, len(runs))[:, :, None]
         return Intent(Mixture(weights, mean, cov), self._path.begin(prior.mean))
 
     def step(self, state: Intent, dt: float, z: Any | None, R: Any | None) -> tuple[Intent, Innovation | None]:

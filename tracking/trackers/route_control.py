@@ -18,7 +18,8 @@ from tracking.reference_path import Law, Legs, Placed, check_tuning, steering, s
 class RouteControl:
     """``course' = g tan(bank) / V`` with ``bank = law(deviation of the estimate from its own leg)``.
 
-    It goes beyond [Vasylyev 2003, eqs. (4), (6)], which belong to one line and are void at a course error of 90 deg.
+    The velocity turns in the air, whose motion over the ground the route tells: V is the airspeed. This goes beyond
+    [Vasylyev 2003, eqs. (4), (6)], which belong to one line and are void at a course error of 90 deg.
 
     ``covariance`` says what the bank is to the filter. ``known_control``: an input, which it truly is where the
     aircraft is flown on this very estimate; F holds the kinematics of the turn and no law. ``jacobian``: a function of
@@ -64,10 +65,17 @@ class RouteControl:
         return state.gaussian
 
 
+def turned(path: Legs, mean: Any, bank: Any, dt: float) -> tuple[Any, Any]:
+    """State after dt at a constant bank, and its Jacobian; it is the velocity through the air that turns."""
+    north, east = path.wind
+    moved, F = course_kinematics(mean - _drift(north, east, 0.0, mean), bank, dt)
+    return moved + _drift(north, east, dt, mean), F
+
+
 def known_control(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Gaussian:
     """Estimate after one sub-step; the bank is an input of the covariance."""
     bank = law(path.deviation(state.place, state.gaussian.mean))
-    mean, F = course_kinematics(state.gaussian.mean, bank, dt)
+    mean, F = turned(path, state.gaussian.mean, bank, dt)
     return predict(state.gaussian, F, Q)._replace(mean=mean)
 
 
@@ -78,15 +86,20 @@ def autonomous(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Gaussi
     less.
     """
     control = steering(law, path, state.place, state.gaussian.mean)
-    mean, F = course_kinematics(state.gaussian.mean, control.bank, dt)
+    mean, F = turned(path, state.gaussian.mean, control.bank, dt)
     normal = lift(path.normal(state.place), 1, mean.ndim - 1)
     gradient = np.empty(np.broadcast_shapes(mean.shape, (4, *control.per_cross_track.shape)))  # d bank / d state
     gradient[0::2] = normal * control.per_cross_track
     gradient[1::2] = normal * control.per_cross_track_rate
-    # the bank acts at right angles to the velocity: d acceleration / d bank = g / cos^2(bank)
-    north_rate, east_rate = mean[1], mean[3]
+    # the bank acts at right angles to the air velocity: d acceleration / d bank = g / cos^2(bank)
+    north_rate, east_rate = mean[1] - path.wind[0], mean[3] - path.wind[1]
     speed = np.maximum(np.hypot(north_rate, east_rate), 1.0)
     push = GRAVITY / np.cos(control.bank) ** 2 / speed
     north, east = -east_rate * push, north_rate * push
     effect = np.stack([0.5 * dt**2 * north, dt * north, 0.5 * dt**2 * east, dt * east])
     return predict(state.gaussian, F + effect[:, None] * gradient, Q)._replace(mean=mean)
+
+
+def _drift(north: float, east: float, dt: float, mean: Any) -> Any:
+    """What the air adds to the state over dt."""
+    return lift(np.array([dt * north, north, dt * east, east]), 1, mean.ndim - 1)
