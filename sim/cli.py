@@ -61,9 +61,10 @@ def validate(file: Scenario, sets: Sets = None) -> None:
     """Say whether a scenario can be flown, and everything that is wrong with it."""
     from sim.preparation import prepare
     from sim.scenario import read
+    from sim.trackers import check
 
     scenario = read(file, _overrides(sets))
-    prepare(scenario)
+    check(prepare(scenario))
     typer.echo(f"{scenario.name}: good")
 
 

@@ -21,7 +21,7 @@ from sim.output import claim, staged, write_json, write_npz
 from sim.preparation import Prepared, prepare
 from sim.scenario import Scenario, read
 from sim.toml import dumps
-from sim.trackers import Tracked, track
+from sim.trackers import Tracked, check, track
 
 
 @dataclass(frozen=True)
@@ -89,6 +89,7 @@ def run(
     scenario = read(source, changes)
     timing: dict[str, float] = {}
     prepared = prepare(scenario)
+    check(prepared)
     _lap(timing, "prepare_s", started)
 
     lap = time.perf_counter()

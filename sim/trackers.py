@@ -80,7 +80,8 @@ def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, st
     if "route" in wanted:
         supplied["route"] = prepared.route
     if "measurement" in wanted:
-        supplied["measurement"] = measurement_model(sensors, chart_height(prepared), name)
+        places = {s: sensor for s, sensor in sensors.items() if "measured" not in wanted or _gives_place(sensor)}
+        supplied["measurement"] = measurement_model(places, chart_height(prepared), name)
     if "measured" in wanted:
         supplied["measured"] = tuple(f"{s}.{channel}" for s, sensor in sensors.items() for channel in sensor.channels)
     if "zero_azimuth" in wanted:
@@ -105,6 +106,16 @@ def _given(cls: type) -> dict[str, bool]:
         for field in dataclasses.fields(cls)
         if typing.get_origin(hints[field.name]) is Annotated and GIVEN in hints[field.name].__metadata__
     }
+
+
+def _gives_place(sensor: Any) -> bool:
+    return sensor.channels == ("north", "east") or sensor.channels[:2] == ("range", "azimuth")
+
+
+def check(prepared: Prepared) -> None:
+    """Build every tracker once, so that what cannot be tracked is told before anything flies."""
+    for name, choice in prepared.scenario.trackers.items():
+        build(prepared, name, choice)
 
 
 def _told(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
