@@ -8,7 +8,6 @@ stand inside the closed loop.
 from __future__ import annotations
 
 import math
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
@@ -16,9 +15,10 @@ from typing import Any, NamedTuple, Protocol
 import jsbsim
 
 from aircraft import loading, model_files, properties
-from aircraft.data import AircraftData, data
+from aircraft.data import AircraftData, describe
 from aircraft.errors import FlightError, ModelError
 from aircraft.executive import fresh_executive, sentence
+from aircraft.landing_gear import main_wheels
 from aircraft.properties import EARTH_RADIUS, FOOT, getter, node, setter
 from aircraft.runway import Runway
 from aircraft.state import AircraftState, Controls
@@ -273,7 +273,7 @@ def load(
     Raises ``ModelError`` with one sentence for anything that cannot be loaded.
     """
     source = model_files.read(model)
-    aircraft = data(model)
+    aircraft = describe(source, model)
     if factors:
         loading.apply_factors(source, factors)
     if mass is not None:
@@ -297,9 +297,10 @@ def load(
             source, aircraft.chord_leading_edge + centre_of_gravity_mac * aircraft.mean_chord
         )
     executive = fresh_executive(source, RATE)
+    wheels = tuple(wheel.number for wheel in main_wheels(source))
     has_propellers = any(tree.tag == "propeller" for tree in source.files.values())
     try:
-        return Airframe(executive, aircraft, runway or Runway(), _main_gear(source.root), has_propellers)
+        return Airframe(executive, aircraft, runway or Runway(), wheels, has_propellers)
     except (KeyError, jsbsim.BaseError) as error:
         raise ModelError(f"'{source.name}' cannot be used: {sentence([*map(str, error.args)])}") from None
 
@@ -310,16 +311,6 @@ def _throttles(manager: Any) -> list[Any]:
     while (lever := manager.get_node(f"{properties.THROTTLE.name}[{len(found)}]", False)) is not None:
         found.append(lever.set_double_value)
     return found
-
-
-def _main_gear(root: ElementTree.Element) -> tuple[int, ...]:
-    """Numbers of the wheels that stand off the plane of symmetry."""
-    contacts = root.findall("ground_reactions/contact")
-    return tuple(
-        number
-        for number, contact in enumerate(contacts)
-        if contact.get("type") == "BOGEY" and abs(float(contact.findtext("location/y", "0"))) > 0.01
-    )
 
 
 def _body_velocity(initial: InitialCondition, wind_north: float, wind_east: float) -> tuple[float, float, float]:

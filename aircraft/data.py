@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
 from aircraft.errors import ModelError
-from aircraft.model_files import folder
+from aircraft.landing_gear import height_of_wheels, wheel_track
+from aircraft.loading import total_mass
+from aircraft.model_files import OWN_MODELS, Model, folder, read, stock_root
 from aircraft.units import spellings
 
 
@@ -24,7 +26,7 @@ class FlapSetting:
 
 @dataclass(frozen=True)
 class AircraftData:
-    """Facts of a type from its TOML; a stock model without one has the defaults, which limit nothing."""
+    """Facts of a type; those without a source limit nothing."""
 
     title: str
     reference_mass: Annotated[float, "kg"] = 0.0
@@ -54,17 +56,30 @@ class AircraftData:
 
 def data(model: str | Path) -> AircraftData:
     """The data of an aircraft; raises ``ModelError`` for a broken file."""
+    return describe(read(model), model)
+
+
+def describe(source: Model, model: str | Path) -> AircraftData:
+    """Data of a model that is read already: from its TOML, and from its XML the mass and the main wheels."""
     home = folder(model)
-    name = home.resolve().name
-    path = home / f"{name}.toml"
+    path = home / f"{source.name}.toml"
+    if home.is_relative_to(stock_root()):
+        path = OWN_MODELS / source.name / f"{source.name}.toml"
+    from_model = {
+        "title": source.name,
+        "reference_mass": total_mass(source),
+        "wheel_track": wheel_track(source),
+        "height_of_wheels": height_of_wheels(source),
+    }
     if not path.is_file():
-        return AircraftData(title=name)
+        return AircraftData(**from_model)
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
         settings = tuple(_build(FlapSetting, entry, path) for entry in table.pop("flap_settings", []))
         sources = tuple(table.pop("sources", {}).items())
         factors = tuple(table.pop("factors", []))
-        return _build(AircraftData, table, path, flap_settings=settings, factors=factors, sources=sources)
+        ready = from_model | {"flap_settings": settings, "factors": factors, "sources": sources}
+        return _build(AircraftData, table, path, **ready)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, TypeError) as error:
         raise ModelError(f"'{path.name}' cannot be read: {error}") from None
 

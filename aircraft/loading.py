@@ -33,15 +33,15 @@ def apply_mass(model: Model, mass: float) -> None:
     """Set the total mass, kg, by the empty weight; inertia scales with the mass (same radii of gyration)."""
     balance = _mass_balance(model)
     empty = balance.find("emptywt")
-    old = _value(empty, KILOGRAM, "LBS")
-    others = sum(weight for weight, _ in _other_masses(model))
+    old = total_mass(model)
+    others = sum(weight for weight, _, _ in _others(model))
     if not others < mass < 1e6:
         raise ModelError(f"mass must lie between {others:.0f} kg (fuel and fixed loads) and 1e6 kg, not {mass} kg")
     _set_value(empty, mass - others, KILOGRAM, "LBS")
     for name in INERTIAS:
         element = balance.find(name)
         if element is not None:
-            element.text = repr(float(element.text) * mass / (old + others))
+            element.text = repr(float(element.text) * mass / old)
 
 
 def apply_centre_of_gravity(model: Model, position: float) -> None:
@@ -51,9 +51,22 @@ def apply_centre_of_gravity(model: Model, position: float) -> None:
     x = location.find("x")
     unit = METRE[location.get("unit", "IN").upper()]
     empty = _value(balance.find("emptywt"), KILOGRAM, "LBS")
-    others = list(_other_masses(model))
-    total = empty + sum(weight for weight, _ in others)
-    x.text = repr((total * position - sum(weight * place for weight, place in others)) / empty / unit)
+    moment = sum(weight * aft for weight, aft, _ in _others(model))
+    x.text = repr((total_mass(model) * position - moment) / empty / unit)
+
+
+def total_mass(model: Model) -> float:
+    """Mass with fuel and fixed loads, kg."""
+    return _value(_mass_balance(model).find("emptywt"), KILOGRAM, "LBS") + sum(mass for mass, _, _ in _others(model))
+
+
+def centre_of_gravity(model: Model) -> tuple[float, float]:
+    """(m aft, m up) in the structural frame, with fuel and fixed loads."""
+    balance = _mass_balance(model)
+    empty = _value(balance.find("emptywt"), KILOGRAM, "LBS")
+    parts = [(empty, *_place(balance.find("location[@name='CG']"))), *_others(model)]
+    total = sum(mass for mass, _, _ in parts)
+    return sum(mass * x for mass, x, _ in parts) / total, sum(mass * z for mass, _, z in parts) / total
 
 
 def _mass_balance(model: Model) -> ElementTree.Element:
@@ -63,15 +76,21 @@ def _mass_balance(model: Model) -> ElementTree.Element:
     return balance
 
 
-def _other_masses(model: Model) -> Iterator[tuple[float, float]]:
-    """(kg, m aft) of the fixed loads and of the fuel."""
+def _others(model: Model) -> Iterator[tuple[float, float, float]]:
+    """(kg, m aft, m up) of the fixed loads and of the fuel."""
     loads = [(load, "weight") for load in model.root.findall("mass_balance/pointmass")]
     tanks = [(tank, "contents") for tank in model.root.findall("propulsion/tank")]
     for owner, amount in loads + tanks:
         weight = owner.find(amount)
         place = owner.find("location")
         if weight is not None and place is not None:
-            yield _value(weight, KILOGRAM, "LBS"), float(place.find("x").text) * METRE[place.get("unit", "IN").upper()]
+            yield (_value(weight, KILOGRAM, "LBS"), *_place(place))
+
+
+def _place(location: ElementTree.Element) -> tuple[float, float]:
+    """(m aft, m up)."""
+    unit = METRE[location.get("unit", "IN").upper()]
+    return float(location.findtext("x", "0")) * unit, float(location.findtext("z", "0")) * unit
 
 
 def _value(element: ElementTree.Element, units: Mapping[str, float], default: str) -> float:

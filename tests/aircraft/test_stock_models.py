@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from aircraft.airframe import load
+from aircraft.data import data
+from aircraft.landing_gear import main_wheels
 from aircraft.linearise import linearise
-from aircraft.model_files import ModelError
+from aircraft.model_files import ModelError, read
 from aircraft.modes import modes
 from aircraft.trim import TrimError, trim
 
@@ -123,6 +125,15 @@ def test_what_cannot_be_trimmed_says_why():
         assert "\n" not in str(caught.value)
     with pytest.raises(TrimError, match="flaps must lie between 0 and 38 deg, not 60 deg"):
         trim(airframe, 72.0, flaps=math.radians(60.0))
+
+
+@pytest.mark.parametrize(("model", "wheels", "track"), [("an26", 2, 7.9), ("c172x", 2, 2.55), ("A320", 2, 7.59)])
+def test_main_wheels_are_those_that_land(model, wheels, track):
+    # A320: published wheel track 7.59 m; its model has more wheels under wing tips and tail
+    known = data(model)
+    assert known.wheel_track == pytest.approx(track, rel=0.05)
+    assert len(main_wheels(read(model))) == wheels
+    assert known.reference_mass == pytest.approx(load(model).mass, rel=1e-6)
 
 
 def test_a_model_that_needs_another_simulator_is_refused_with_one_sentence():
