@@ -12,6 +12,7 @@ from sim.reporting.quantities import words
 from sim.reporting.thinning import peaks, runs
 
 CHARACTER = 0.047  # in, width of a character of the strip's text
+COLUMNS = 1500  # across the strip of phases
 
 
 def by_phase(
@@ -22,14 +23,15 @@ def by_phase(
     The path is broken where the leg changes, and between phases unless ``joined``.
     """
     wanted = np.ones(len(x), bool) if among is None else among
-    key = np.where(wanted, flight.leg * len(flight.phases) + flight.phase, -1)
-    for first, last in runs(key):
-        if not wanted[first]:
-            continue
-        onward = joined and last < len(x) and wanted[last] and flight.leg[last] == flight.leg[first]
-        chosen = first + peaks(y[first : last + int(onward)])
-        name = flight.phases[int(flight.phase[first])]
-        axes.plot(x[chosen], y[chosen], color=style.phase_colour(name), linewidth=1.5)
+    for leg, phase in dict.fromkeys(zip(flight.leg[wanted].tolist(), flight.phase[wanted].tolist(), strict=True)):
+        mine = wanted & (flight.leg == leg) & (flight.phase == phase)
+        if joined:
+            mine[1:] |= mine[:-1] & wanted[1:] & (flight.leg[1:] == leg)
+        first, last = np.flatnonzero(mine)[[0, -1]]
+        shown = np.where(mine, y, np.nan)[first : last + 1]
+        chosen = first + peaks(shown)
+        colour = style.phase_colour(flight.phases[phase])
+        axes.plot(x[chosen], np.where(mine, y, np.nan)[chosen], color=colour, linewidth=1.5)
 
 
 def over_time(axes: Any, flight: Flight, y: np.ndarray, **look: Any) -> None:
@@ -43,17 +45,18 @@ def phase_strip(axes: Any, flight: Flight) -> None:
     axes.set_axis_off()
     axes.set_ylim(0, 1)
     time, span = flight.time, max(float(flight.time[-1] - flight.time[0]), 1e-6)
-    room = style.WIDTH - style.LEFT - style.RIGHT
-    for first, last in runs(flight.phase):
-        name = flight.phases[int(flight.phase[first])]
-        begin, end = float(time[first]), float(time[min(last, len(time) - 1)])
-        axes.axvspan(begin, end, color=style.phase_colour(name), linewidth=0)
-        if (end - begin) / span * room > CHARACTER * len(name) + 0.02:
-            dark = style.phase_colour(name) in (style.BLACK, style.BLUE, style.VERMILION, style.GREEN)
-            axes.text(
-                (begin + end) / 2, 0.46, words(name), ha="center", va="center", fontsize=6.5,
-                color="white" if dark else "black",
-            )  # fmt: skip
+    columns = np.unique(np.linspace(0, len(time) - 1, COLUMNS).astype(int))
+    shown = flight.phase[columns]
+    spans: dict[str, list[tuple[float, float]]] = {}
+    for first, last in runs(shown):
+        name = flight.phases[int(shown[first])]
+        begin, end = float(time[columns[first]]), float(time[columns[min(last, len(columns) - 1)]])
+        spans.setdefault(name, []).append((begin, end - begin))
+        if (end - begin) / span * (style.WIDTH - style.LEFT - style.RIGHT) > CHARACTER * len(name) + 0.02:
+            colour = "white" if style.phase_colour(name) in style.DARK else "black"
+            axes.text((begin + end) / 2, 0.46, words(name), ha="center", va="center", fontsize=6.5, color=colour)
+    for name, places in spans.items():
+        axes.broken_barh(places, (0, 1), color=style.phase_colour(name), linewidth=0)
     axes.set_xlim(float(time[0]), float(time[0]) + span)
 
 

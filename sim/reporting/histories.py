@@ -28,8 +28,6 @@ def bank_history(flight: Flight, law: Any, bank_limit: float) -> Any:
     figure, (strip, axes, bars) = style.panels(STRIP, 1.9, 0.2 * len(limiters))
     phase_strip(strip, flight)
     limit = float(np.degrees(bank_limit))
-    for first, last in where(limiters["bank"]):
-        axes.axvspan(flight.time[first], flight.time[last - 1], color=style.ORANGE, alpha=0.25, linewidth=0)
     for side in (-limit, limit):
         axes.axhline(
             side, color=style.VERMILION, linewidth=0.8, dashes=(4, 3), label="bank limit" if side > 0 else None
@@ -37,6 +35,10 @@ def bank_history(flight: Flight, law: Any, bank_limit: float) -> Any:
     over_time(axes, flight, np.degrees(flight.command.bank), color=style.BLACK, linewidth=0.9, label="command")
     over_time(axes, flight, np.degrees(flight.state.bank), color=style.BLUE, linewidth=1.3, label="bank")
     pad(axes, 2.0, 0.17)
+    full = axes.get_xaxis_transform()
+    axes.broken_barh(
+        _spans(flight, limiters["bank"]), (0, 1), transform=full, color=style.ORANGE, alpha=0.25, linewidth=0
+    )
     axes.set_ylabel("bank, deg (+ right)")
     axes.legend(loc="upper right", ncols=3)
     colours = {"bank": style.ORANGE}
@@ -44,11 +46,15 @@ def bank_history(flight: Flight, law: Any, bank_limit: float) -> Any:
     return figure
 
 
+def _spans(flight: Flight, mask: np.ndarray) -> list[tuple[float, float]]:
+    """(begin, width) in s of the stretches of a mask; an instant is as wide as a line."""
+    return [(flight.time[a], max(flight.time[b - 1] - flight.time[a], 1e-3)) for a, b in where(mask)]
+
+
 def _bars(axes: Any, flight: Flight, rows: dict[str, tuple[np.ndarray, str]]) -> None:
     """One row for each name, with a bar wherever its mask is True."""
     for row, (mask, colour) in enumerate(rows.values()):
-        spans = [(flight.time[a], max(flight.time[b - 1] - flight.time[a], 1e-3)) for a, b in where(mask)]
-        axes.broken_barh(spans, (row + 0.15, 0.7), color=colour, linewidth=0)
+        axes.broken_barh(_spans(flight, mask), (row + 0.15, 0.7), color=colour, linewidth=0)
     axes.set_ylim(len(rows), 0)
     axes.set_yticks(np.arange(len(rows)) + 0.5, list(rows), fontsize=6)
     axes.grid(False, axis="y")
@@ -66,32 +72,6 @@ def _limiters(flight: Flight, law: Any, bank_limit: float) -> dict[str, np.ndarr
     if isinstance(law, RadioBeacon):
         outside = deviation.distance_to_go > law.cone_radius
         reached["bearing"] = outside & (np.abs(deviation.bearing_error) >= law.bearing_limit)
-    return reached
-
-
-def _bars(axes: Any, flight: Flight, rows: dict[str, tuple[np.ndarray, str]]) -> None:
-    """One row for each name, with a bar wherever its mask is True."""
-    for row, (mask, colour) in enumerate(rows.values()):
-        spans = [(flight.time[a], max(flight.time[b - 1] - flight.time[a], 1e-3)) for a, b in where(mask)]
-        axes.broken_barh(spans, (row + 0.15, 0.7), color=colour, linewidth=0)
-    axes.set_ylim(len(rows), 0)
-    axes.set_yticks(np.arange(len(rows)) + 0.5, list(rows), fontsize=6)
-    axes.grid(False, axis="y")
-    axes.tick_params(axis="y", length=0)
-    axes.set_xlabel(TIME)
-
-
-def _limiters(flight: Flight, law: Any, bank_limit: float) -> dict[str, np.ndarray]:
-    """When the command stood at the bank limit, and when each input of the law was beyond its own."""
-    deviation = flight.deviation
-    reached = {"bank": np.abs(flight.command.bank) >= bank_limit * (1 - 1e-6)}
-    for name, field, value in (
-        ("offset", "cross_track_limit", deviation.cross_track),
-        ("rate", "cross_track_rate_limit", deviation.cross_track_rate),
-        ("bearing", "bearing_limit", deviation.bearing_error),
-    ):
-        if hasattr(law, field):
-            reached[name] = np.abs(value) >= getattr(law, field)
     return reached
 
 
@@ -178,6 +158,7 @@ def final_errors(flight: Flight, runway: Runway) -> tuple[str, Any] | None:
         half = 1.3 * max(float(np.nanmax(np.abs(settled), initial=0.0)), LEAST_SCALE)
         axes.set_ylim(-half, half)
         axes.axhline(0.0, color=style.BLACK, linewidth=0.5, zorder=1)
-    panels[1].set_xlim(float(np.nanmax(to_go[among])), float(np.nanmin(to_go[among])))
+    far, near = float(np.nanmax(to_go[among])), float(np.nanmin(to_go[among]))
+    panels[1].set_xlim(max(far, near + 1e-3), near)
     panels[1].set_xlabel("distance to the end of the leg, km")
     return title, figure

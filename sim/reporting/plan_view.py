@@ -18,11 +18,13 @@ NEAR = 1.6  # the runway is shown when it lies within this many times the extent
 TALLEST, LOWEST = 6.4, 1.7  # in, of the axes
 KM = 1e-3
 ARROWS = 62.0  # points between the north arrow and the wind arrow
-CALM = 0.5  # m/s; below, the mean of turbulence is no wind
 
 
-def plan_view(flight: Flight, runway: Runway) -> Any:
-    """Figure with equal axes, in km from the threshold along and to the right of the final course."""
+def plan_view(flight: Flight, runway: Runway, wind: tuple[float, float]) -> Any:
+    """Figure with equal axes, in km from the threshold along and to the right of the final course.
+
+    ``wind`` is the steady one, the way the air moves, m/s (north, east).
+    """
     course = flight.route.legs[-1].course
     c, s = math.cos(course), math.sin(course)
 
@@ -68,7 +70,7 @@ def plan_view(flight: Flight, runway: Runway) -> Any:
         )
     axes.plot(x[:1], y[:1], "o", color="white", markeredgecolor=style.BLACK, markersize=5.5, zorder=4, label="start")
     axes.plot(x[-1:], y[-1:], "X", color=style.BLACK, markersize=6.5, zorder=5, label=f"end: {words(flight.outcome)}")
-    _compass(axes, course, flight, _points((x, corner_x, runway_x), (y, corner_y, runway_y)))
+    _compass(axes, course, wind, _points((x, corner_x, runway_x), (y, corner_y, runway_y)))
     _legend(figure, axes, flight)
     axes.set_xlabel("along the final course, km past the threshold")
     axes.set_ylabel("right of the threshold, km")
@@ -115,14 +117,13 @@ def _equal_axes(extent: tuple[float, float, float, float]) -> tuple[Any, Any]:
     return figure, axes
 
 
-def _compass(axes: Any, course: float, flight: Flight, busy: np.ndarray) -> None:
+def _compass(axes: Any, course: float, wind: tuple[float, float], busy: np.ndarray) -> None:
     """North and wind as arrows of fixed size where the figure is emptiest; ``busy`` is what they must not cover."""
-    wind = np.mean(flight.wind[:2], axis=1)
-    speed = float(np.hypot(*wind))
+    speed = math.hypot(*wind)
     across, up = _emptiest(axes, busy)
     left, right = (across - ARROWS / 2, up), (across + ARROWS / 2, up)
     _arrow(axes, left, (math.cos(course), math.sin(course)), "north", style.BLACK)
-    if not speed >= CALM:
+    if speed == 0.0:
         _text(axes, right, "calm", style.BLUE)
         return
     along = (wind[0] * math.cos(course) + wind[1] * math.sin(course)) / speed

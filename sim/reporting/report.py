@@ -91,7 +91,7 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
     with style.drawing(), np.errstate(invalid="ignore"):
         add(
             "Plan view",
-            plan_view(flight, scenario.runway),
+            plan_view(flight, scenario.runway, scenario.wind.steady),
             "Equal scales; turned so that the final course runs to the right, north as the arrow shows. The runway's "
             "length is drawn, not modelled.",
         )

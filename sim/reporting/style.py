@@ -15,6 +15,7 @@ LEFT, RIGHT, TOP, BOTTOM, GAP = 0.68, 0.12, 0.10, 0.40, 0.10  # in, so that the 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
 LIGHT = "#E4E4E4"
+DARK = (BLACK, BLUE, VERMILION, GREEN)  # on which text is white
 
 PHASE_COLOURS = {
     "intercept": GREY,

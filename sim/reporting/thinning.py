@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+MOST = 500  # stretches in one picture
+
 
 def peaks(values: np.ndarray, bins: int = 500) -> np.ndarray:
     """Indices of the least and the greatest value in each of ``bins`` equal stretches, and of both ends, in order.
@@ -38,5 +40,12 @@ def runs(values: Any) -> list[tuple[int, int]]:
 
 
 def where(mask: np.ndarray) -> list[tuple[int, int]]:
-    """(first, one past last) of every unbroken stretch of True."""
-    return [(first, last) for first, last in runs(mask) if mask[first]]
+    """(first, one past last) of every unbroken stretch of True; stretches too many to be seen apart are joined."""
+    found = [(first, last) for first, last in runs(mask) if mask[first]]
+    if len(found) <= MOST:
+        return found
+    width = -(-len(mask) // MOST)
+    padded = np.zeros(width * MOST, bool)
+    padded[: len(mask)] = mask
+    coarse = padded.reshape(MOST, width).any(axis=1)
+    return [(a * width, min(b * width, len(mask))) for a, b in runs(coarse) if coarse[a]]
