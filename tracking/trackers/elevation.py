@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -86,6 +87,9 @@ class Elevation:
     Parameters
     ----------
     measured : names of the rows of z; the one that ends with ".elevation" is used.
+    angle_increment, rate_increment, acceleration_density : process noise of orders 1, 2, 3. The density is that of the
+        acceleration at low frequency, 2 variance correlation_time. Orders 1 and 3 have no printed value; theirs are
+        tuned on the paper's level leg.
     gain : an arbitrary constant gain in (1, 1/s, 1/s2) instead of the optimal one; the covariance is then the Joseph
         form (19), the only one that holds for it.
     """
@@ -96,8 +100,8 @@ class Elevation:
     angle_increment: Annotated[float, "rad"] = math.radians(math.sqrt(1e-5))
     rate_increment: Annotated[float, "rad/s"] = math.radians(0.01)
     held: bool = False
-    acceleration_density: Annotated[float, "rad2/s3"] = 2.0 * math.radians(0.002) ** 2
-    correlation_time: Annotated[float, "s"] = 1.0
+    acceleration_density: Annotated[float, "rad2/s3"] = 2.0 * 80.0 * math.radians(0.001) ** 2
+    correlation_time: Annotated[float, "s"] = 80.0
     gain: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
@@ -142,10 +146,20 @@ class Elevation:
 
     def transition(self, dt: float) -> tuple[Array, Array]:
         """(F, Q) over dt: A and B Q B' of (5), repeated as often as dt needs."""
-        if self.order == 3:
-            return singer(dt, self.correlation_time, 0.5 * self.acceleration_density / self.correlation_time)
-        increment = self.angle_increment if self.order == 1 else self.rate_increment
-        return increments(self.order, dt, self.period, increment, self.held)
+        return _transition(self, dt)
+
+
+@lru_cache(maxsize=256)
+def _transition(tracker: Elevation, dt: float) -> tuple[Array, Array]:
+    """Matrices of a tracker for an interval, computed once and shared read-only."""
+    if tracker.order == 3:
+        variance = 0.5 * tracker.acceleration_density / tracker.correlation_time
+        F, Q = singer(dt, tracker.correlation_time, variance)
+    else:
+        increment = tracker.angle_increment if tracker.order == 1 else tracker.rate_increment
+        F, Q = increments(tracker.order, dt, tracker.period, increment, tracker.held)
+    F.flags.writeable = Q.flags.writeable = False
+    return F, Q
 
 
 def increments(order: int, dt: float, period: float, increment: float, held: bool = False) -> tuple[Array, Array]:
