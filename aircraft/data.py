@@ -11,7 +11,7 @@ from typing import Annotated, Any, get_type_hints
 from aircraft.errors import ModelError
 from aircraft.landing_gear import height_of_wheels, wheel_track
 from aircraft.loading import total_mass
-from aircraft.model_files import OWN_MODELS, Model, folder, read, stock_root
+from aircraft.model_files import Model, folder, read
 from aircraft.units import spellings
 
 
@@ -61,10 +61,7 @@ def data(model: str | Path) -> AircraftData:
 
 def describe(source: Model, model: str | Path) -> AircraftData:
     """Data of a model that is read already: from its TOML, and from its XML the mass and the main wheels."""
-    home = folder(model)
-    path = home / f"{source.name}.toml"
-    if home.is_relative_to(stock_root()):
-        path = OWN_MODELS / source.name / f"{source.name}.toml"
+    path = folder(model) / f"{source.name}.toml"
     from_model = {
         "title": source.name,
         "reference_mass": total_mass(source),
