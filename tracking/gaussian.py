@@ -94,7 +94,9 @@ def update(gaussian: Gaussian, z: Array, H: Array, R: Array) -> tuple[Gaussian, 
     P, H, R = _aligned(gaussian.cov, H, R)
     cross = _product(H, P)  # H P (m, n, *C)
     S = _plus(_product(H, cross.swapaxes(0, 1)), R)
-    posterior, innovation = _condition(Gaussian(gaussian.mean, P), residual, cross, S)
+    L = _cholesky(S)
+    innovation = _innovation(L, residual)
+    posterior = _condition(gaussian.mean, P, L, innovation.white, cross)
     if absent is None:
         return posterior, innovation
     return posterior, _present(innovation, absent)
@@ -131,9 +133,9 @@ def interact(mixture: Mixture, switching: Array) -> Mixture:
         certain = predicted > 0.0
         own = lift(np.eye(len(predicted)), 2, weights.ndim - 1)
         joint = np.where(certain, joint / np.where(certain, predicted, 1.0), own)
-    # About the merged mean c: sum_i w_ij (P_i + d_i d_i') - e_j e_j', d_i = x_i - c, e_j = mixed x_j - c. It needs
-    # 2 M outer products instead of M^2, and moments about the origin would lose |x|^2 eps.
-    centre = np.einsum("m...,im...->i...", weights, means)[:, None]
+    # About any point c among the means: sum_i w_ij (P_i + d_i d_i') - e_j e_j', d_i = x_i - c, e_j = mixed x_j - c.
+    # It needs 2 M outer products instead of M^2, and moments about the origin would lose |x|^2 eps.
+    centre = means[:, :1]
     deviation = means - centre
     mixed = np.einsum("ij...,ai...->aj...", joint, deviation)
     cov = np.einsum("ij...,abi...->abj...", joint, _second_moments(deviation, covs))
@@ -149,12 +151,15 @@ def reweigh(weights: Array, log_likelihood: Array) -> tuple[Array, Array]:
     Erratum: [Volovyk 2022, table 1, step 13] printed the weights before the switching in the numerator, used the
     predicted ones, because only those make the posterior sum to one.
     """
-    possible = weights > 0.0
-    supported = log_likelihood if possible.all() else np.where(possible, log_likelihood, -np.inf)
-    best = supported.max(axis=0)
-    posterior = np.exp(supported - best)
+    best = log_likelihood.max(axis=0)
+    posterior = np.exp(log_likelihood - best)
     posterior *= weights
     total = posterior.sum(axis=0)
+    if not total.min() > 1e-200:  # the best hypothesis has no weight, or a lost run is NaN
+        supported = np.where(weights > 0.0, log_likelihood, -np.inf)
+        best = supported.max(axis=0)
+        posterior = np.exp(supported - best) * weights
+        total = posterior.sum(axis=0)
     posterior /= total
     return posterior, best + np.log(total)
 
@@ -174,7 +179,9 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
         H, R, residual = _without(absent, H, R, residual)
     cross = _product(H, mixture.cov)
     S = _plus(_product(H, cross.swapaxes(0, 1)), lift(R, 2, batch + 1))
-    conditioned, each = _condition(Gaussian(mixture.mean, mixture.cov), residual, cross, S)
+    L = _cholesky(S)
+    each = _innovation(L, residual)
+    conditioned = _condition(mixture.mean, mixture.cov, L, each.white, cross)
     weights, log_likelihood = reweigh(mixture.weights, each.log_likelihood)
     matched = merge(Mixture(mixture.weights, residual, S))
     white = _forward(_cholesky(matched.cov), matched.mean)
@@ -185,22 +192,25 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
     return posterior, _present(innovation, absent[:, 0])
 
 
-def _condition(gaussian: Gaussian, residual: Array, cross: Array, S: Array) -> tuple[Gaussian, Innovation]:
-    """Posterior and innovation from the residual, the cross-covariance H P and the innovation covariance S."""
-    L = _cholesky(S)
+def _innovation(L: list[list[Array]], residual: Array) -> Innovation:
+    """Whitened residual (m, *B), its square and its log-likelihood, from the factor of the innovation covariance."""
     white = _forward(L, residual)
-    W = _forward(L, cross)  # (m, n, *C): the transpose of P H' L^-T
-    transposed = W.swapaxes(0, 1)
-    mean = gaussian.mean + _apply(transposed, white)
-    reduction = _product(transposed, W)
-    cov = np.subtract(gaussian.cov, reduction, out=reduction if _covers(reduction, gaussian.cov) else None)
     nis = (white * white).sum(axis=0)
     volume = L[0][0]
     for i in range(1, len(L)):
         volume = volume * L[i][i]
     log_likelihood = -0.5 * nis - np.log(volume)
     log_likelihood -= 0.5 * len(L) * LOG_TWO_PI
-    return Gaussian(mean, cov), Innovation(white, nis, log_likelihood)
+    return Innovation(white, nis, log_likelihood)
+
+
+def _condition(mean: Array, cov: Array, L: list[list[Array]], white: Array, cross: Array) -> Gaussian:
+    """``x + W white``, ``P - W W'`` with ``W' = L^-1 H P``; cross = H P (m, n, *C)."""
+    W = _forward(L, cross)
+    transposed = W.swapaxes(0, 1)
+    reduction = _product(transposed, W)
+    reduced = np.subtract(cov, reduction, out=reduction if _covers(reduction, cov) else None)
+    return Gaussian(mean + _apply(transposed, white), reduced)
 
 
 def _cholesky(S: Array) -> list[list[Array]]:
@@ -301,6 +311,8 @@ def _with_hypotheses(matrix: Array, batch: int) -> Array:
 
 def _apply(A: Array, x: Array) -> Array:
     """``A x`` for A (p, n, *C) and x (n, *B)."""
+    if A.shape[1] == 1:
+        return lift(A[:, 0], 1, x.ndim - 1) * x
     if A.ndim == 2 or (A.shape[-1] == 1 and A.ndim == x.ndim + 1):
         return _blas(A, x)
     if A.ndim == 3 and A.shape[2:] == x.shape[1:] and A.shape[2] < FEW:
@@ -310,6 +322,8 @@ def _apply(A: Array, x: Array) -> Array:
 
 def _product(A: Array, X: Array) -> Array:
     """``A X`` for A (p, n, *C) and X (n, k, *C)."""
+    if A.shape[1] == 1 and A.ndim == X.ndim:
+        return A * X
     if A.ndim == 2 or (A.shape[-1] == 1 and A.ndim == X.ndim):
         return _blas(A, X)
     if A.ndim == 3 and A.shape[2:] == X.shape[2:] and A.shape[2] < FEW:

@@ -66,14 +66,15 @@ class GroundPolar(NamedTuple):
     distance_variance: Array
     covariance: Array  # of distance and azimuth
     azimuth_variance: Array
-    usable: Array  # False over the antenna, where distance and azimuth lose their meaning
+    usable: Array  # False over the antenna or without a direction
 
 
 def to_ground(z: Array, R: Array, height: float | None) -> GroundPolar:
     """Slant (range, azimuth, elevation), or (range, azimuth) at a known height, on the ground plane.
 
     Over the antenna - horizontal distance below three of its own standard deviations, or a slant range shorter than
-    the height - the direction is not defined and the measurement is not usable.
+    the height - the direction is not defined and the measurement is not usable. Nor is it where the azimuth is not
+    known to one radian.
     """
     slant, azimuth = z[0], z[1]
     if height is None:
@@ -88,7 +89,7 @@ def to_ground(z: Array, R: Array, height: float | None) -> GroundPolar:
         distance = np.sqrt(np.maximum(square, 0.0))
         slope = slant / np.where(distance > 0.0, distance, 1.0)  # d distance / d slant range
         variance, covariance = slope**2 * R[0, 0], slope * R[0, 1]
-    usable = distance**2 > 9.0 * variance
+    usable = (distance**2 > 9.0 * variance) & (R[1, 1] < 1.0)
     return GroundPolar(distance, azimuth, variance, covariance, R[1, 1], usable)
 
 
@@ -161,13 +162,14 @@ class DebiasedPolar:
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
         plot = to_ground(z, R, self.height)
         bearing = plot.azimuth + self.course
-        distance = plot.distance * np.exp(0.5 * plot.azimuth_variance)
+        bend = np.minimum(plot.azimuth_variance, 1.0)
+        distance = plot.distance * np.exp(0.5 * bend)
         cartesian = np.stack(
             [self.position[0] + distance * np.cos(bearing), self.position[1] + distance * np.sin(bearing)]
         )
         north, east, predicted = _relative(mean, self.channels, self.position)
         safe = np.maximum(predicted, 1e-9)
-        variance, bend = plot.distance_variance, plot.azimuth_variance
+        variance = plot.distance_variance
         along = predicted**2 * 2.0 * np.sinh(0.5 * bend) ** 2 + variance * np.cosh(bend)
         across = (predicted**2 + variance) * np.sinh(bend)
         R = _rotated(along, predicted * plot.covariance, across, north / safe, east / safe)

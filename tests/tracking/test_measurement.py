@@ -216,3 +216,10 @@ def test_stacked_sensors_may_have_different_batches():
 def test_ragged_rows_are_refused():
     with pytest.raises(ValueError, match="rows of H"):
         LinearMeasurement(((1.0, 0.0), (1.0,)))
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_an_azimuth_without_a_direction_is_not_used(form):
+    """An accuracy of 60 in degrees where radians are meant is no accuracy at all."""
+    linear = form(height=0.0).linearise(np.array([5000.0, 0.1]), np.diag([900.0, 60.0**2]), state(5000.0, 500.0))
+    assert np.isnan(linear.z).all()
