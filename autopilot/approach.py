@@ -110,27 +110,35 @@ class Approach:
 
     def step(self, s: ApproachState, state: AircraftState, dt: float) -> tuple[ApproachState, Command]:
         """Command for the next ``dt`` seconds from what the aircraft does now."""
-        phase, leg, gate, lowest, finished = s.phase, s.leg, s.gate, s.lowest, s.finished
-        deviation = self.deviation(leg, state)
+        phase, leg, bank, airspeed, height, climb_rate, crab, aligned, gate, lowest, finished = s
+        velocity_north, velocity_east = state.velocity_north, state.velocity_east
+        route = self.route
+        deviation = route.deviation(leg, (state.north, state.east), (velocity_north, velocity_east), state.heading)
         if deviation.distance_to_go < self._reach[leg]:
             leg, phase, deviation = self._sequenced(leg, phase, deviation, state)
         if phase in TURNING and _established(deviation):
-            phase = _phase_of(leg, self.route, LEG_PHASE, DOWNWIND)
-        if leg == len(self.route.legs) - 1:
+            phase = _phase_of(leg, route, LEG_PHASE, DOWNWIND)
+        if leg == len(route.legs) - 1:
             if self.landing is not None:
                 phase, gate, lowest, finished = self._landing_phase(self.landing, s, phase, state, deviation, dt)
             elif deviation.distance_to_go < 0.0:
                 finished = "completed"
 
-        over_ground = math.hypot(state.velocity_north, state.velocity_east)
-        height, climb_rate = s.height, s.climb_rate
-        if phase != s.phase and phase in FROM_HERE:
-            height, climb_rate = state.height, state.velocity_up
         to_go = deviation.distance_to_go
-        height, climb_rate = self._path(phase, leg, height, climb_rate, to_go, over_ground, s.airspeed, dt)
-        airspeed, flaps, gear = self._speed(phase, leg, to_go, s.airspeed, state.airspeed, dt)
-        bank, sideslip, crab, aligned = self._bank(phase, s, state, deviation, dt)
-        slope = math.atan2(climb_rate, over_ground) if climb_rate != 0.0 else 0.0
+        slope, level = 0.0, route.legs[leg].height
+        if phase > FINAL or climb_rate != 0.0 or height != level:
+            if phase != s.phase and phase in FROM_HERE:
+                height, climb_rate = state.height, state.velocity_up
+            over_ground = math.hypot(velocity_north, velocity_east)
+            height, climb_rate = self._path(phase, level, height, climb_rate, to_go, over_ground, airspeed, dt)
+            slope = math.atan2(climb_rate, over_ground)
+        airspeed, flaps, gear = self._speed(phase, leg, to_go, airspeed, state.airspeed, dt)
+        wanted_bank, sideslip = self.law(deviation), 0.0
+        if phase > FINAL:
+            wanted_bank, sideslip, crab, aligned = self._aligned(
+                phase, wanted_bank, crab, aligned, state, deviation, dt
+            )
+        bank = rate_limit(bank, wanted_bank, self.roll_rate_limit, dt)
         return (
             pack(
                 ApproachState,
@@ -179,7 +187,7 @@ class Approach:
     def _path(
         self,
         phase: int,
-        leg: int,
+        level: float,
         height: float,
         climb_rate: float,
         distance: float,
@@ -188,10 +196,8 @@ class Approach:
         dt: float,
     ) -> tuple[float, float]:
         """Height to hold, m, and its rate, m/s."""
-        level, landing = self.route.legs[leg].height, self.landing
+        landing = self.landing
         if landing is None or phase <= FINAL or phase == GO_AROUND:
-            if climb_rate == 0.0 and height == level:
-                return height, climb_rate
             angle = self.level_change_angle if landing is None or phase <= FINAL else landing.climb_angle
             wanted = saturate((level - height) / self.height_time, airspeed * angle)
             climb_rate = rate_limit(climb_rate, wanted, self.level_acceleration, dt)
@@ -210,7 +216,10 @@ class Approach:
         landing, deceleration = self.landing, self.deceleration
         flaps, gear = self.flaps, self.gear
         wanted = self.route.legs[leg + 1 if distance < self._slow[leg] else leg].speed
-        if landing is not None and phase > FINAL:
+        if landing is None or phase <= FINAL:
+            if airspeed == wanted:
+                return airspeed, flaps, gear
+        else:
             if phase == GO_AROUND:
                 wanted = max(landing.approach_speed, wanted)
             else:
@@ -221,23 +230,26 @@ class Approach:
                 airspeed = min(airspeed, flown)  # what the wheels brake is not to be flown back by pitching up
         return rate_limit(airspeed, wanted, deceleration, dt), flaps, gear
 
-    def _bank(
-        self, phase: int, s: ApproachState, state: AircraftState, deviation: PathDeviation, dt: float
+    def _aligned(
+        self,
+        phase: int,
+        bank: float,
+        crab: float,
+        aligned: float,
+        state: AircraftState,
+        deviation: PathDeviation,
+        dt: float,
     ) -> tuple[float, float, float, float]:
-        """Bank and sideslip, rad, with the crab and the share of it that is taken out."""
-        wanted, sideslip, crab, aligned = self.law(deviation), 0.0, s.crab, s.aligned
+        """Bank and sideslip, rad, of the de-crab, with the crab and the share of it that is taken out."""
         landing = self.landing
-        if landing is not None and phase >= GLIDE:
-            share = dt / landing.align_time
-            if phase == GO_AROUND:
-                aligned = 0.0
-            elif phase != GLIDE or state.height - landing.wheel_height < landing.align_height:
-                aligned = min(aligned + share, 1.0)
-                sideslip = aligned * saturate(crab, landing.sideslip_limit)
-                wanted = wanted + landing.sideslip_bank * sideslip if phase != GROUND else 0.0
-            else:
-                crab += (deviation.heading_error - crab) * share
-        return rate_limit(s.bank, wanted, self.roll_rate_limit, dt), sideslip, crab, aligned
+        if landing is None or phase == GO_AROUND:
+            return bank, 0.0, crab, 0.0
+        share = dt / landing.align_time
+        if phase == GLIDE and state.height - landing.wheel_height >= landing.align_height:
+            return bank, 0.0, crab + (deviation.heading_error - crab) * share, 0.0
+        aligned = min(aligned + share, 1.0)
+        sideslip = aligned * saturate(crab, landing.sideslip_limit)
+        return bank + landing.sideslip_bank * sideslip if phase != GROUND else 0.0, sideslip, crab, aligned
 
 
 def _established(deviation: PathDeviation) -> bool:
