@@ -93,6 +93,8 @@ def schedule(tracker: Tracker, measurements: Measurements, prior: Gaussian, star
     cov = np.asarray(prior.cov, dtype=float).reshape(n, n, -1)
     if cov.shape[-1] != 1:
         raise ValueError("the covariance of the prior differs between runs, so no schedule serves them")
+    if not isinstance(tracker.begin(Gaussian(lift(np.asarray(prior.mean), 1, 1), cov)), Gaussian):
+        raise ValueError("a tracker of several hypotheses has no schedule: its weights depend on the data")
     gains = []
     for k in order.tolist():
         here = ~absent[k, :, 0]
@@ -108,7 +110,7 @@ def _probe(tracker: Tracker, cov: Any, dt: float, R: Any, here: Any, n: int, m: 
     columns = np.concatenate([np.eye(n + m), np.zeros((n + m, 1)), weights[:, None]], axis=1)
     z = np.where(here[:, None], columns[n:], np.nan) if here.any() else None
     state, innovation = tracker.step(Gaussian(columns[:n], cov), dt, z, R if here.any() else None)
-    if not isinstance(state, Gaussian) or np.ptp(state.cov, axis=-1).any():
+    if np.ptp(state.cov, axis=-1).any():
         raise ValueError("the covariance of this tracker depends on the data: it has no schedule")
     answer = state.mean if innovation is None else np.concatenate([state.mean, innovation.white[here]])
     matrix, zero, both = answer[:, : n + m], answer[:, n + m], answer[:, n + m + 1]
