@@ -299,3 +299,27 @@ def phases(route, flown):
     course = route.deviation(leg, x.swapaxes(0, 1)[0::2], x.swapaxes(0, 1)[1::2]).track_error
     aligned = np.cumsum((leg == 1) & (np.abs(course) < math.radians(3.0)), axis=0) > 0
     return {"base": leg == 0, "turn": (leg == 1) & ~aligned, "final": aligned}
+
+
+def talk_down(tracker, seed, runs=30, scans=70, density=0.1, dt=0.5, period=4.0):
+    """Full-state ANEES of an aircraft whose bank is the law on this tracker's estimate, step by step."""
+    rng = np.random.default_rng(seed)
+    sigmas = np.array([SIGMA, 5.0, SIGMA, 5.0])[:, None]
+    start = np.array(BASE_START)[:, None] + np.zeros((4, runs))
+    x = start + sigmas * rng.standard_normal((4, runs))
+    state = tracker.begin(Gaussian(start, np.diag(sigmas[:, 0] ** 2)))
+    factor = noise_factor(density, dt)
+    steps = round(period / dt)
+    nees = []
+    for _ in range(scans):
+        for i in range(steps):
+            estimate = tracker.estimate(state).mean
+            bank = PATTERN_LAW(BASE_TO_FINAL.deviation(state.place, estimate[0::2], estimate[1::2]))
+            x = shaken(turned(x, bank, dt), factor, rng)
+            scan = i == steps - 1
+            z = x[0::2] + SIGMA * rng.standard_normal((2, runs)) if scan else None
+            state, _ = tracker.step(state, dt, z, SIGMA**2 * np.eye(2) if scan else None)
+        mean, cov = tracker.estimate(state)
+        error = (mean - x).T[..., None]
+        nees.append((error * np.linalg.solve(np.moveaxis(cov, -1, 0), error)).sum(axis=(1, 2)) / 4)
+    return float(np.mean(nees))

@@ -19,11 +19,9 @@ from tests.tracking.law_truth import (
     SIGMA,
     cross_track_error,
     errors,
-    noise_factor,
     phases,
     route_truth,
-    shaken,
-    turned,
+    talk_down,
 )
 from tracking.gaussian import Gaussian
 from tracking.motion import ConstantVelocity
@@ -96,30 +94,6 @@ def test_a_law_on_the_heading_flies_the_homing_curve():
     assert settled == pytest.approx(1.2 / (6.0 - 1.2) * math.degrees(math.asin(0.14)), abs=0.15)
     told, mistaken = (RouteControl(each, route, PLANE) for each in (law, replace(law, course="track")))
     assert errors(told, flown.x, 64).rmse(slice(20, None)) < 0.8 * errors(mistaken, flown.x, 64).rmse(slice(20, None))
-
-
-def talk_down(tracker, seed, runs=30, scans=70, density=0.1, dt=0.5, period=4.0):
-    """Full-state ANEES of an aircraft whose bank is the law on this tracker's estimate, step by step."""
-    rng = np.random.default_rng(seed)
-    sigmas = np.array([SIGMA, 5.0, SIGMA, 5.0])[:, None]
-    start = np.array(BASE_START)[:, None] + np.zeros((4, runs))
-    x = start + sigmas * rng.standard_normal((4, runs))
-    state = tracker.begin(Gaussian(start, np.diag(sigmas[:, 0] ** 2)))
-    factor = noise_factor(density, dt)
-    steps = round(period / dt)
-    nees = []
-    for _ in range(scans):
-        for i in range(steps):
-            estimate = tracker.estimate(state).mean
-            bank = PATTERN_LAW(BASE_TO_FINAL.deviation(state.place, estimate[0::2], estimate[1::2]))
-            x = shaken(turned(x, bank, dt), factor, rng)
-            scan = i == steps - 1
-            z = x[0::2] + SIGMA * rng.standard_normal((2, runs)) if scan else None
-            state, _ = tracker.step(state, dt, z, SIGMA**2 * np.eye(2) if scan else None)
-        mean, cov = tracker.estimate(state)
-        error = (mean - x).T[..., None]
-        nees.append((error * np.linalg.solve(np.moveaxis(cov, -1, 0), error)).sum(axis=(1, 2)) / 4)
-    return float(np.mean(nees))
 
 
 def test_talk_down_needs_the_control_as_known():
