@@ -307,7 +307,7 @@ def load(
 
 def _throttles(manager: Any) -> list[Any]:
     """Every power lever that the model has."""
-    found = []
+    found: list[Callable[[float], bool]] = []
     while (lever := manager.get_node(f"{properties.THROTTLE.name}[{len(found)}]", False)) is not None:
         found.append(lever.set_double_value)
     return found

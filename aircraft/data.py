@@ -62,7 +62,7 @@ def data(model: str | Path) -> AircraftData:
 def describe(source: Model, model: str | Path) -> AircraftData:
     """Data of a model that is read already: from its TOML, and from its XML the mass and the main wheels."""
     path = folder(model) / f"{source.name}.toml"
-    from_model = {
+    from_model: dict[str, Any] = {
         "title": source.name,
         "reference_mass": total_mass(source),
         "wheel_track": wheel_track(source),

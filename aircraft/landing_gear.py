@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from aircraft.loading import METRE, centre_of_gravity
+from aircraft.loading import centre_of_gravity, place
 from aircraft.model_files import Model
 
 HIGHER = 0.5  # m above the lowest main wheel: not a main wheel
@@ -26,10 +26,9 @@ def main_wheels(model: Model) -> tuple[Wheel, ...]:
         location = contact.find("location")
         if contact.get("type") != "BOGEY" or location is None:
             continue
-        unit = METRE[location.get("unit", "IN").upper()]
-        x, y, z = (float(location.findtext(axis, "0")) * unit for axis in "xyz")
-        if abs(y) > 0.01:
-            found.append(Wheel(number, x, y, z))
+        wheel = Wheel(number, *place(location))
+        if abs(wheel.y) > 0.01:
+            found.append(wheel)
     lowest = min((wheel.z for wheel in found), default=0.0)
     return tuple(wheel for wheel in found if wheel.z < lowest + HIGHER)
 

@@ -15,15 +15,14 @@ INERTIAS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 def apply_factors(model: Model, factors: Mapping[str, float]) -> None:
     """Scale groups of coefficients: ``lift_slope`` is the property ``factors/lift-slope`` of the model."""
-    nodes = {
-        element.text.strip().removeprefix("factors/").replace("-", "_"): element
-        for element in model.root.iter("property")
-        if "value" in element.attrib and (element.text or "").strip().startswith("factors/")
-    }
+    nodes = {}
+    for element in model.root.iter("property"):
+        name = (element.text or "").strip()
+        if "value" in element.attrib and name.startswith("factors/"):
+            nodes[name.removeprefix("factors/").replace("-", "_")] = element
     for name, value in factors.items():
         if name not in nodes:
-            known = ", ".join(nodes) or "none"
-            raise ModelError(f"'{model.name}' has no factor '{name}': known are {known}")
+            raise ModelError(f"'{model.name}' has no factor '{name}': known are {', '.join(nodes) or 'none'}")
         if not 0.0 <= value < 100.0:
             raise ModelError(f"factor '{name}' must lie between 0 and 100, not {value}")
         nodes[name].set("value", repr(float(value)))
@@ -31,49 +30,71 @@ def apply_factors(model: Model, factors: Mapping[str, float]) -> None:
 
 def apply_mass(model: Model, mass: float) -> None:
     """Set the total mass, kg, by the empty weight; inertia scales with the mass (same radii of gyration)."""
-    balance = _mass_balance(model)
-    empty = balance.find("emptywt")
+    empty = _empty_weight(model)
     old = total_mass(model)
     others = sum(weight for weight, _, _ in _others(model))
     if not others < mass < 1e6:
         raise ModelError(f"mass must lie between {others:.0f} kg (fuel and fixed loads) and 1e6 kg, not {mass} kg")
-    _set_value(empty, mass - others, KILOGRAM, "LBS")
+    empty.text = repr((mass - others) / KILOGRAM[empty.get("unit", "LBS").upper()])
     for name in INERTIAS:
-        element = balance.find(name)
-        if element is not None:
-            element.text = repr(float(element.text) * mass / old)
+        for element in model.root.findall(f"mass_balance/{name}"):
+            element.text = repr(quantity(element, {"": 1.0}, "", "") * mass / old)
 
 
 def apply_centre_of_gravity(model: Model, position: float) -> None:
     """Put the whole aircraft's centre of gravity at ``position``, m aft in the model's structural frame."""
-    balance = _mass_balance(model)
-    location = balance.find("location[@name='CG']")
-    x = location.find("x")
-    unit = METRE[location.get("unit", "IN").upper()]
-    empty = _value(balance.find("emptywt"), KILOGRAM, "LBS")
+    location = _empty_location(model)
     moment = sum(weight * aft for weight, aft, _ in _others(model))
-    x.text = repr((total_mass(model) * position - moment) / empty / unit)
+    aft = (total_mass(model) * position - moment) / quantity(_empty_weight(model), KILOGRAM, "LBS")
+    for x in location.findall("x"):
+        x.text = repr(aft / METRE[location.get("unit", "IN").upper()])
 
 
 def total_mass(model: Model) -> float:
     """Mass with fuel and fixed loads, kg."""
-    return _value(_mass_balance(model).find("emptywt"), KILOGRAM, "LBS") + sum(mass for mass, _, _ in _others(model))
+    return quantity(_empty_weight(model), KILOGRAM, "LBS") + sum(mass for mass, _, _ in _others(model))
 
 
 def centre_of_gravity(model: Model) -> tuple[float, float]:
     """(m aft, m up) in the structural frame, with fuel and fixed loads."""
-    balance = _mass_balance(model)
-    empty = _value(balance.find("emptywt"), KILOGRAM, "LBS")
-    parts = [(empty, *_place(balance.find("location[@name='CG']"))), *_others(model)]
+    aft, _, up = place(_empty_location(model))
+    parts = [(quantity(_empty_weight(model), KILOGRAM, "LBS"), aft, up), *_others(model)]
     total = sum(mass for mass, _, _ in parts)
     return sum(mass * x for mass, x, _ in parts) / total, sum(mass * z for mass, _, z in parts) / total
 
 
-def _mass_balance(model: Model) -> ElementTree.Element:
-    balance = model.root.find("mass_balance")
-    if balance is None or balance.find("emptywt") is None or balance.find("location[@name='CG']") is None:
+def place(location: ElementTree.Element) -> tuple[float, float, float]:
+    """(m aft, m right, m up) of a <location>."""
+    unit = location.get("unit", "IN")
+    found = [quantity(axis, METRE, unit, unit) for name in "xyz" for axis in location.findall(name)[:1]]
+    if len(found) != 3:
+        raise ModelError("a <location> must have x, y and z")
+    return found[0], found[1], found[2]
+
+
+def quantity(element: ElementTree.Element, units: Mapping[str, float], default: str, unit: str | None = None) -> float:
+    """Number of an element in SI, its unit from the element unless given; raises ``ModelError``."""
+    unit = (element.get("unit", default) if unit is None else unit).upper()
+    try:
+        return float(element.text or "") * units[unit]
+    except (ValueError, KeyError):
+        known = f" in {', '.join(units)}" if "" not in units else ""
+        raise ModelError(f"<{element.tag}> must be a number{known}, not '{element.text}' {unit}".rstrip()) from None
+
+
+def _empty_weight(model: Model) -> ElementTree.Element:
+    return _required(model, "emptywt")
+
+
+def _empty_location(model: Model) -> ElementTree.Element:
+    return _required(model, "location")  # named CG or not: the only one directly in the section
+
+
+def _required(model: Model, path: str) -> ElementTree.Element:
+    found = model.root.find(f"mass_balance/{path}")
+    if found is None:
         raise ModelError(f"'{model.name}' has no complete <mass_balance>")
-    return balance
+    return found
 
 
 def _others(model: Model) -> Iterator[tuple[float, float, float]]:
@@ -81,21 +102,7 @@ def _others(model: Model) -> Iterator[tuple[float, float, float]]:
     loads = [(load, "weight") for load in model.root.findall("mass_balance/pointmass")]
     tanks = [(tank, "contents") for tank in model.root.findall("propulsion/tank")]
     for owner, amount in loads + tanks:
-        weight = owner.find(amount)
-        place = owner.find("location")
-        if weight is not None and place is not None:
-            yield (_value(weight, KILOGRAM, "LBS"), *_place(place))
-
-
-def _place(location: ElementTree.Element) -> tuple[float, float]:
-    """(m aft, m up)."""
-    unit = METRE[location.get("unit", "IN").upper()]
-    return float(location.findtext("x", "0")) * unit, float(location.findtext("z", "0")) * unit
-
-
-def _value(element: ElementTree.Element, units: Mapping[str, float], default: str) -> float:
-    return float(element.text) * units[element.get("unit", default).upper()]
-
-
-def _set_value(element: ElementTree.Element, value: float, units: Mapping[str, float], default: str) -> None:
-    element.text = repr(value / units[element.get("unit", default).upper()])
+        weight, location = owner.find(amount), owner.find("location")
+        if weight is not None and location is not None:
+            aft, _, up = place(location)
+            yield quantity(weight, KILOGRAM, "LBS"), aft, up

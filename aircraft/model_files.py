@@ -18,6 +18,7 @@ from typing import NamedTuple
 from aircraft.errors import ModelError
 
 OWN_MODELS = Path(__file__).parent / "models"
+SECTIONS = ("metrics", "mass_balance", "ground_reactions", "propulsion", "flight_control", "aerodynamics")
 LARGEST_FILE = 4_000_000  # bytes; the largest stock file has 0.3 MB
 MOST_FILES = 100
 REFUSED_PROPERTIES = (  # they write files, or stop time
@@ -78,6 +79,7 @@ def read(model: str | Path) -> Model:
     root = _parse(home / f"{name}.xml", home)
     if root.tag != "fdm_config":
         raise ModelError(f"'{name}.xml' is not an aircraft for JSBSim: its root is <{root.tag}>, not <fdm_config>")
+    _inline_sections(root, home)
     files: dict[PurePosixPath, ElementTree.Element] = {}
     pending = list(_references(root, name))
     while pending:
@@ -152,17 +154,32 @@ def _strip(root: ElementTree.Element) -> None:
                 parent.remove(child)
 
 
+def _inline_sections(root: ElementTree.Element, home: Path) -> None:
+    """Put sections that stand in files of their own where the model names them."""
+    for number, section in enumerate(root):
+        if section.tag not in SECTIONS or "file" not in section.attrib:
+            continue
+        path = home / f"{_confined(section)}.xml"
+        if not path.is_file():
+            raise ModelError(f"'{home.name}' refers to the file '{path.name}', which does not exist")
+        root[number] = _parse(path, home)
+
+
+def _confined(element: ElementTree.Element) -> str:
+    """The file that an element refers to, without suffix; raises ``ModelError`` when it is not below the model."""
+    reference = element.get("file", "")
+    parts = PureWindowsPath(reference)
+    if parts.is_absolute() or parts.drive or reference.startswith(("/", "\\", "~")) or ".." in parts.parts:
+        raise ModelError(f'file="{reference}" leaves the folder of the model')
+    return str(PurePosixPath(reference.replace("\\", "/"))).removesuffix(".xml")
+
+
 def _references(root: ElementTree.Element, name: str) -> Iterator[tuple[PurePosixPath, str]]:
     """Folder below the private root, and name, of every file that is referred to."""
     for element in root.iter():
-        reference = element.get("file")
-        if reference is None:
+        if element.get("file") is None:
             continue
-        parts = PureWindowsPath(reference)
-        if parts.is_absolute() or parts.drive or reference.startswith(("/", "\\", "~")) or ".." in parts.parts:
-            raise ModelError(f'file="{reference}" leaves the folder of the model')
-        reference = str(PurePosixPath(reference.replace("\\", "/")))
-        plain = reference.removesuffix(".xml")
+        plain = _confined(element)
         element.set("file", plain)
         yield PurePosixPath("engine" if element.tag in ("engine", "thruster") else f"aircraft/{name}"), plain
 

@@ -77,12 +77,13 @@ class PointMass:
         wind: tuple[Real, Real, Real] = (0.0, 0.0, 0.0),
     ) -> PointMassState:
         """Straight flight at constant speed; with arrays every field is broadcast to their common shape."""
-        fields = (0.0, north, east, height, airspeed, heading, flight_path_angle, 0.0, flaps, gear, 0.0, 0.0, 0.0)
+        place, motion, rates = (0.0, north, east, height), (airspeed, heading, flight_path_angle, 0.0), (0.0, 0.0, 0.0)
+        fields: tuple[Real, ...] = (*place, *motion, flaps, gear, *rates)
         if any(isinstance(field, np.ndarray) for field in fields):
             fields = tuple(np.array(field, dtype=float) for field in np.broadcast_arrays(*fields))
         else:
             fields = tuple(map(float, fields))
-        return PointMassState(*fields, wind)
+        return PointMassState._make((*fields, wind))
 
     def step(
         self, state: PointMassState, command: Command, dt: float, wind: tuple[Real, Real, Real] | None = None

@@ -3,6 +3,7 @@
 import os
 import socket
 import tempfile
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
@@ -88,6 +89,10 @@ def test_control_systems_keep_the_inputs_that_only_name_a_property():
         (own("<system><property>simulation/write-state-file</property></system>"), "steers the simulator"),
         (own().replace("<axis", "<no-axis>", 1), "not well-formed"),
         ("<fdm_config/>", "JSBSim cannot load|no complete"),
+        (own().replace(">20000<", ">heavy<"), "<emptywt> must be a number in KG, LBS, SLUG, not 'heavy' KG"),
+        (own().replace('<emptywt unit="KG">', '<emptywt unit="STONE">'), "must be a number in KG, LBS, SLUG"),
+        (own().replace("<emptywt", "<nothing").replace("/emptywt", "/nothing"), "no complete <mass_balance>"),
+        (own().replace("<y>-3.95</y>", "", 1), "must have x, y and z"),
     ],
 )
 def test_what_may_not_be_loaded_gets_one_sentence(folder, body, message):
@@ -99,6 +104,17 @@ def test_what_may_not_be_loaded_gets_one_sentence(folder, body, message):
 def test_wrong_encoding_gets_one_sentence(folder):
     with pytest.raises(ModelError, match=r"not well-formed|cannot be read"):
         read(folder(own("<!-- \xe9t\xe9 -->"), encoding="latin-1"))
+
+
+def test_sections_may_stand_in_files_of_their_own(folder):
+    whole = ElementTree.fromstring(own())
+    balance = whole.find("mass_balance")
+    whole[list(whole).index(balance)] = ElementTree.Element("mass_balance", file="weights")
+    home = folder(ElementTree.tostring(whole, encoding="unicode"))
+    with pytest.raises(ModelError, match=r"weights.xml', which does not exist"):
+        load(home)
+    (home / "weights.xml").write_text(ElementTree.tostring(balance, encoding="unicode"))
+    assert load(home, 21000.0).mass == pytest.approx(21000.0, rel=1e-6)
 
 
 def test_links_and_large_files_are_refused(folder, tmp_path):
