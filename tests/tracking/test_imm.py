@@ -12,6 +12,7 @@ from tracking.measurement import LinearMeasurement
 from tracking.motion import ConstantVelocity, CoordinatedTurn
 from tracking.track import Measurements, track
 from tracking.trackers.imm import InteractingMultipleModel, ModelSet, improved_set, published_set, switching_over
+from tracking.trackers.imm_published import PublishedModels
 from tracking.trackers.kalman import Kalman
 
 POSITION = LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
@@ -223,3 +224,12 @@ def test_switching_holds_over_its_period_and_over_any_other_time():
         np.testing.assert_allclose(matrix.sum(axis=1), 1.0, rtol=1e-12)
     with pytest.raises(ValueError, match="period of the switching matrix"):
         InteractingMultipleModel(POSITION, model_set._replace(period=0.0))
+
+
+def test_the_published_kind_is_the_published_set():
+    measurements = record(np.random.default_rng(21), 20)
+    kind = track(PublishedModels(POSITION, acceleration_density=0.3), measurements, PRIOR)
+    judge = track(InteractingMultipleModel(POSITION, published_set(0.3)), measurements, PRIOR)
+    np.testing.assert_array_equal(kind.mean, judge.mean)
+    with pytest.raises(ValueError, match="acceleration_density must not be negative"):
+        PublishedModels(POSITION, acceleration_density=-0.1)
