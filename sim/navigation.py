@@ -24,8 +24,10 @@ class Sight(NamedTuple):
     """What is carried from record to record."""
 
     sensors: tuple[Any, ...]  # state of each sensor
-    tracker: Any
-    time: float  # s, of the tracker's state
+    tracker: Any  # state after the last measurement
+    time: float  # s, of that state
+    ahead: Any  # the same carried on to now, record by record
+    now: float  # s
     pending: tuple[tuple[float, int, np.ndarray, np.ndarray], ...]  # (arrival, sensor, z, R) not yet known
     range: float  # m, the last of a distance-measuring sensor, NaN = none yet
     altimeter: float  # m, the last of a radio altimeter, NaN = none yet
@@ -70,7 +72,8 @@ class Navigator:
         sensors = tuple(
             sensor.begin(state.time, Streams(self.seed, self.flight, 1, name)) for name, sensor in self.sensors
         )
-        sight = Sight(sensors, self.tracker.begin(_batched(start)), state.time, (), math.nan, math.nan)
+        tracker = self.tracker.begin(_batched(start))
+        sight = Sight(sensors, tracker, state.time, tracker, state.time, (), math.nan, math.nan)
         return sight, self._seen(sight, state)
 
     def step(self, sight: Sight, before: AircraftState, after: AircraftState) -> tuple[Sight, AircraftState]:
@@ -87,6 +90,9 @@ class Navigator:
             together = [look for look in known if look[0] == known[0][0]]
             known = known[len(together) :]
             sight = self._take(sight, together)
+        if after.time > sight.now:
+            ahead, _ = self.tracker.step(sight.ahead, after.time - sight.now, None, None)
+            sight = sight._replace(ahead=ahead, now=after.time)
         return sight, self._seen(sight, after)
 
     def _take(self, sight: Sight, looks: list[tuple[float, int, np.ndarray, np.ndarray]]) -> Sight:
@@ -107,14 +113,11 @@ class Navigator:
             return sight
         with np.errstate(divide="ignore", invalid="ignore"):  # a lost track is a result
             tracker, _ = self.tracker.step(sight.tracker, arrival - sight.time, z, R)
-        return sight._replace(tracker=tracker, time=arrival)
+        return sight._replace(tracker=tracker, time=arrival, ahead=tracker, now=arrival)
 
     def _seen(self, sight: Sight, state: AircraftState) -> AircraftState:
         """The aircraft's own state with what the tracker believes now, by its own prediction."""
-        tracker = sight.tracker
-        if state.time > sight.time:
-            tracker, _ = self.tracker.step(tracker, state.time - sight.time, None, None)
-        estimate = self.tracker.estimate(tracker)
+        estimate = self.tracker.estimate(sight.ahead)
         mean = (merge(estimate) if isinstance(estimate, Mixture) else estimate).mean
         believed = {name: float(np.ravel(value)[0]) for name, value in zip(self.tracker.channels, mean, strict=True)}
         if "north" in believed:
