@@ -25,4 +25,14 @@ earth-axes accelerations only with the former.
 
 **Controls.** Elevator > 0 pitches up, rudder > 0 yaws right, aileron > 0 rolls right, each -1..1; throttle 0..1 is the
 power lever; flaps in radians; gear 0 up, 1 down.
+
+**A flight**, and how to ask for its linear model::
+
+    airframe = load("an26", mass=21000.0)
+    steady = trim(airframe, airspeed=72.0, flaps=math.radians(15.0))
+    model = linearise(airframe, steady)
+    state = airframe.begin(steady.at(north=-9000.0, east=0.0, height=400.0, heading=0.0), wind=(0.0, 5.0, 0.0))
+    while state.time < 60.0:
+        airframe.step(steady.controls, substeps=4)
+        state = airframe.read()
 """
