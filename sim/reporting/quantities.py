@@ -78,12 +78,15 @@ def number(value: Any, places: int | None = None) -> str:
 
 def column(values: list[Any]) -> list[str]:
     """Numbers of one column with the same decimal places, so that the digits stand below each other."""
-    places = decimals(*(v for v in values if isinstance(v, float)))
-    return [number(v, places if isinstance(v, float) else None) for v in values]
+    numbers = [None if v is None else float(v) for v in values]
+    places = decimals(*numbers)
+    return [number(v, places) for v in numbers]
 
 
 def duration(seconds: float) -> str:
-    """A time span in words: "9 min 21 s", "41 s"; tenths below ten seconds."""
+    """A time span in words: "9 min 21 s", "41 s"; tenths below ten seconds, hundredths below one."""
+    if seconds < 1:
+        return f"{seconds:.2f} s"
     if seconds < 10:
         return f"{seconds:.1f} s"
     minutes, rest = divmod(round(seconds), 60)

@@ -15,7 +15,8 @@ from sim.reporting.histories import airframe_history, bank_history, error_histor
 from sim.reporting.phase_portrait import phase_portrait
 from sim.reporting.plan_view import plan_view
 from sim.reporting.quantities import number, words
-from sim.reporting.rows import check_row, event_rows, halves, law_rows, scalar_rows, spread_rows
+from sim.reporting.rows import check_row, event_rows, halves, last_state, law_rows, scalar_rows, spread_rows
+from sim.reporting.sentence import first_clause
 from sim.reporting.sources import aircraft_sources, sources, what_ran
 from sim.reporting.tracker_tables import tracker_tables
 from sim.reporting.vertical_profile import touchdown_view, vertical_profile
@@ -55,7 +56,8 @@ def write(
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
         events=event_rows(flight),
         outcome=words(metrics["flight"]["outcome"]),
-        reason=metrics["flight"].get("reason", ""),
+        reason=first_clause(flight.reason),
+        last_state=last_state(flight),
         flight_rows=halves(scalar_rows(metrics["flight"])),
         spread=spread_rows(metrics.get("flights_summary")),
         trackers=tracker_tables(tracks) if tracks else [],

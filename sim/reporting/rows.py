@@ -9,6 +9,7 @@ import numpy as np
 from sim.flight import Flight
 from sim.parameters import dump
 from sim.reporting.quantities import ABSENT, decimals, number, split, unit, words
+from sim.reporting.sentence import first_clause
 from sim.signals import SIGNALS
 from sim.tables import Check
 
@@ -68,10 +69,23 @@ def event_rows(flight: Flight) -> list[tuple[str, ...]]:
                 number(float(s.height[at]), 1),
                 number(float(s.airspeed[at]), 1),
                 number(float(np.degrees(s.bank[at])), 1),
-                event.detail.partition("; last state")[0],
+                first_clause(event.detail),
             )
         )
     return rows
+
+
+def last_state(flight: Flight) -> list[tuple[str, str, str]]:
+    """(name, value, unit) of the motion at the end of the record."""
+    s = flight.state
+    shown = (
+        ("time", s.time, "s"), ("north", s.north, "m"), ("east", s.east, "m"), ("height", s.height, "m"),
+        ("velocity north", s.velocity_north, "m/s"), ("east", s.velocity_east, "m/s"), ("up", s.velocity_up, "m/s"),
+        ("bank", np.degrees(s.bank), "deg"), ("pitch", np.degrees(s.pitch), "deg"),
+        ("heading", np.degrees(s.heading) % 360, "deg"), ("airspeed", s.airspeed, "m/s"),
+        ("angle of attack", np.degrees(s.angle_of_attack), "deg"), ("sideslip", np.degrees(s.sideslip), "deg"),
+    )  # fmt: skip
+    return [(name, number(float(values[-1]), 2), unit) for name, values, unit in shown]
 
 
 def scalar_rows(figures: dict[str, Any], prefix: str = "") -> list[tuple[str, str, str]]:

@@ -21,7 +21,7 @@ def what_happened(flight: Flight, figures: dict[str, Any], checks: list[dict[str
 
 
 def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
-    outcome, reason = flight.outcome, _first_clause(flight.reason)
+    outcome, reason = flight.outcome, first_clause(flight.reason)
     if touchdown and outcome in ("landed", "ground"):
         verb = "landed" if outcome == "landed" else "touched the ground, but did not land:"
         return f"the aircraft {verb} {_touchdown(touchdown)}"
@@ -69,6 +69,6 @@ def _verdict(checks: list[dict[str, Any]]) -> str:
     return {1: "its one check held", 2: "both checks held"}.get(len(judged), f"all {len(judged)} checks held")
 
 
-def _first_clause(reason: str) -> str:
+def first_clause(reason: str) -> str:
     """The reason without the dump of a last state that may follow it."""
     return reason.partition("; last state")[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import contextlib
 import io
+import logging
 from collections.abc import Iterator
 from typing import Any
 
@@ -69,13 +70,19 @@ def phase_colour(name: str) -> str:
 
 @contextlib.contextmanager
 def drawing() -> Iterator[None]:
-    """Inside, matplotlib draws in this style; outside, a user's own settings are untouched."""
-    import matplotlib
+    """Inside, matplotlib draws in this style and keeps its remarks about fonts; outside, all is as the user set it."""
+    logger = logging.getLogger("matplotlib")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        import matplotlib
 
-    with matplotlib.rc_context():
-        matplotlib.rcdefaults()
-        matplotlib.rcParams.update(_STYLE)
-        yield
+        with matplotlib.rc_context():
+            matplotlib.rcdefaults()
+            matplotlib.rcParams.update(_STYLE)
+            yield
+    finally:
+        logger.setLevel(level)
 
 
 def panels(*heights: float, share: bool = True, top: float = TOP, bottom: float = BOTTOM) -> tuple[Any, list[Any]]:

@@ -114,7 +114,7 @@ def test_the_digits_of_a_column_stand_below_each_other(values):
 
 
 @pytest.mark.parametrize(
-    ("seconds", "told"), [(0.067, "0.1 s"), (41.4, "41 s"), (59.7, "1 min 0 s"), (561.2, "9 min 21 s")]
+    ("seconds", "told"), [(0.067, "0.07 s"), (41.4, "41 s"), (59.7, "1 min 0 s"), (561.2, "9 min 21 s")]
 )
 def test_spans_of_time(seconds, told):
     assert duration(seconds) == told
