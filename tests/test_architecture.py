@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -47,11 +48,11 @@ RANDOMNESS = {
 }
 
 
-def sources() -> Iterator[tuple[str, ast.Module]]:
+@cache
+def sources() -> list[tuple[str, ast.Module]]:
     """(path from the root, syntax tree) of every module of ours."""
-    for package in OURS:
-        for path in sorted((ROOT / package).rglob("*.py")):
-            yield path.relative_to(ROOT).as_posix(), ast.parse(path.read_text())
+    paths = [path for package in OURS for path in sorted((ROOT / package).rglob("*.py"))]
+    return [(path.relative_to(ROOT).as_posix(), ast.parse(path.read_text())) for path in paths]
 
 
 def imports(tree: ast.Module) -> Iterator[str]:
@@ -155,6 +156,49 @@ def test_aircraft_files_hold_no_gains():
         for path in files
         for key in keys(tomllib.loads(path.read_text()))
         if any(part in words for part in key.lower().replace(".", "_").split("_"))
+    ]
+    assert not wrong
+
+
+def test_nothing_is_inherited():
+    """Classes are NamedTuples, Protocols, frozen dataclasses and exceptions; an outside interface may be met."""
+    allowed = {"NamedTuple", "Protocol", "ValueError", "RuntimeError"}
+    outside = ("jsbsim.", "BaseModel", "pytest.", "HTMLParser")
+    wrong = [
+        f"{path}: {node.name}({ast.unparse(base)})"
+        for path, tree in sources()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef)
+        for base in node.bases
+        if ast.unparse(base) not in allowed and not ast.unparse(base).startswith(outside)
+    ]
+    assert not wrong
+
+
+def test_parameters_have_units_that_files_can_spell():
+    """The second part of every ``Annotated`` is a unit of aircraft/units.py, or says that the simulation gives it."""
+    known = {unit for unit, _ in SUFFIXES.values()} | {"given"}
+    wrong = [
+        f"{path}:{node.lineno} {ast.unparse(node)}"
+        for path, tree in sources()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Subscript) and dotted(node.value) == "Annotated" and isinstance(node.slice, ast.Tuple)
+        for unit in node.slice.elts[1:2]
+        if isinstance(unit, ast.Constant) and unit.value not in known
+    ]
+    assert not wrong
+
+
+def test_parameters_cannot_be_changed_behind_ones_back():
+    """Dataclasses are frozen; the two that are not are a running count and a reader's place in a stream."""
+    working = {"Tally", "Rows"}
+    wrong = [
+        f"{path}: {node.name}"
+        for path, tree in sources()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef) and node.name not in working
+        for decorator in map(ast.unparse, node.decorator_list)
+        if decorator.startswith("dataclass") and "frozen=True" not in decorator
     ]
     assert not wrong
 

@@ -66,6 +66,11 @@ def test_every_erratum_and_trap_has_a_mutant(paper, kind, name, collection):
         assert homes & tagged or mutant.get("helper"), f"{mutant['file']} does not say that it holds {entry['places']}"
 
 
+def test_every_figure_to_redraw_is_a_place():
+    for paper in PAPERS.values():
+        assert set(paper["figures"]) <= set(paper["places"])
+
+
 def test_every_mutant_guards_something_listed():
     listed = {f"{paper}.{name}" for paper, _, name in GUARDED}
     strays = {guard for mutant in MUTANTS.values() for guard in mutant["guards"]} - listed
