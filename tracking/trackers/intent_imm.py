@@ -31,7 +31,8 @@ class IntentImm:
     Far from the path all that shows of a law is the course at which it intercepts, which the position limit sets (z_max
     of [Vasylyev 2003, eq. (4)], the bearing limit of eq. (5)). So the bank of laws varies that limit alone, and the
     model probabilities say which limit is flown, and whether any law is. On a line the laws move as in `law_ekf`, on a
-    route as in `route_control` with the slope of the law.
+    route as in `route_control` with the slope of the law, so an aircraft that is flown on the estimate itself is a case
+    for `route_control` with the control as known, not for this tracker.
 
     Model probabilities are in the order of `modes`. Modes are left at a rate of 1 / ``mean_stay`` for any other mode
     alike, whatever the time between steps.
@@ -41,7 +42,7 @@ class IntentImm:
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
     limit_factors: tuple[float, ...] = (0.4, 0.64, 1.0, 1.6, 2.4)
-    mean_stay: Annotated[float, "s"] = 80.0
+    mean_stay: Annotated[float, "s"] = 120.0
     law_density: Annotated[float, "m2/s3"] = 0.1
     straight_density: Annotated[float, "m2/s3"] = 0.05
     manoeuvre_density: Annotated[float, "m2/s3"] = 3.0
