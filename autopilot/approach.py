@@ -23,6 +23,7 @@ FROM_HERE = (FLARE, GO_AROUND)  # phases whose path begins where the aircraft is
 ESTABLISHED_TRACK = math.radians(5.0)  # a turn or an intercept is over within this of the course
 ESTABLISHED_CROSS_TRACK = 100.0  # m
 SPEED_SETTLING = 4.0  # s, by which a new speed is ordered earlier than its ramp needs
+CLIMB_AWAY = 2.0  # regained heights: how far at least a go-around climbs
 SETTLED = 1e-3  # m and m/s: a change of height is over
 
 
@@ -89,8 +90,23 @@ class Approach:
         if self.landing is not None:
             bend = self.landing.bend(route.ground_speed(len(route.legs) - 1, last.speed))
             entry = last.height / self.landing.slope + 0.5 * bend
+            self._check_glide_entry(entry)
         object.__setattr__(self, "_bend", bend)
         object.__setattr__(self, "_glide_entry", entry)
+
+    def _check_glide_entry(self, entry: float) -> None:
+        """Raise ``ValueError`` when the path would bend down before the turn onto the last leg is over."""
+        route = self.route
+        exit_of_turn = 0.0
+        if len(route.legs) > 1:
+            number = len(route.legs) - 2
+            exit_of_turn = route.turn(number, route.legs[-1].speed, self.law.bank_limit).exit
+        straight = route.legs[-1].length - exit_of_turn
+        if entry > straight:
+            raise ValueError(
+                f"the glide path begins {entry:.0f} m before the aiming point, but the last leg is straight only for "
+                f"{straight:.0f} m: lower the pattern, steepen the glide path or lengthen the last leg"
+            )
 
     def begin(self, state: AircraftState, leg: int = 0) -> ApproachState:
         """On a leg, with the commands where the aircraft is."""
@@ -130,6 +146,8 @@ class Approach:
             if phase != s.phase and phase in FROM_HERE:
                 height, climb_rate = state.height, state.velocity_up
             over_ground = math.hypot(velocity_north, velocity_east)
+            if phase == GO_AROUND and self.landing is not None:
+                level = max(level, lowest + CLIMB_AWAY * self.landing.regained_height)
             height, climb_rate = self._path(phase, level, height, climb_rate, to_go, over_ground, airspeed, dt)
             slope = math.atan2(climb_rate, over_ground)
         airspeed, flaps, gear = self._speed(phase, leg, to_go, airspeed, state.airspeed, dt)

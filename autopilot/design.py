@@ -118,19 +118,17 @@ def design(points: Sequence[OperatingPoint], speed: float, bank_limit: float) ->
 
     Parameters
     ----------
-    points : two speeds at each flap setting
+    points : at least two speeds at each flap setting, of which the slowest and the fastest count
     speed : m/s, at which the route is intercepted
     bank_limit : rad
     """
     settings = sorted({point.flaps for point in points})
     schedules = []
     for flaps in settings:
-        pair = sorted((point for point in points if point.flaps == flaps), key=lambda point: point.airspeed)
-        if len(pair) != 2 or pair[0].airspeed == pair[1].airspeed:
-            raise ValueError(
-                f"the design needs two speeds with flaps at {math.degrees(flaps):.0f} deg, not {len(pair)}"
-            )
-        slow, fast = pair
+        alike = sorted((point for point in points if point.flaps == flaps), key=lambda point: point.airspeed)
+        slow, fast = alike[0], alike[-1]
+        if slow.airspeed == fast.airspeed:
+            raise ValueError(f"the design needs two speeds with flaps at {math.degrees(flaps):.0f} deg, not one")
         x_slow, x_fast = slow.airspeed**-2, fast.airspeed**-2
         at_slow, at_fast = np.array(_scheduled(slow)), np.array(_scheduled(fast))
         slope = (at_slow - at_fast) / (x_slow - x_fast)
