@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from aircraft.airframe import EARTH_RADIUS, FlightError, Runway, load
-from aircraft.state import Controls
+from aircraft.state import STANDARD_GRAVITY, Controls
 from aircraft.wind import SteadyWind
 
 
@@ -110,6 +110,25 @@ def test_geodetic_position_agrees_with_the_wgs84_degree():
     latitude, longitude = runway.geodetic(1111.32, 788.47)
     assert math.degrees(latitude) == pytest.approx(45.01, abs=1e-6)
     assert math.degrees(longitude) == pytest.approx(30.01, abs=1e-6)
+
+
+@pytest.mark.parametrize("height", [50.0, 2000.0])
+def test_gravity_is_standard_and_falls_with_height(steady, height):
+    """In steady level flight the load factor is gravity over the standard one, less the curvature of the path."""
+    state = load("an26").begin(steady("an26", 80.0, height=height).at(0.0, 0.0, height, 0.5))
+    radius = EARTH_RADIUS + height
+    gravity = STANDARD_GRAVITY * (EARTH_RADIUS / radius) ** 2
+    # the trim holds the velocity in body axes, which turn with the horizon or not: either way within V^2 / R
+    assert state.load_factor[2] * STANDARD_GRAVITY == pytest.approx(gravity, abs=80.0**2 / radius)
+
+
+def test_fuel_does_not_burn(steady):
+    start = steady("c172x", 33.4).at(0.0, 0.0, 500.0, 0.0)
+    airframe = load("c172x")
+    airframe.begin(start)
+    before = airframe.mass
+    airframe.step(start.controls, 1200)
+    assert airframe.mass == before
 
 
 def test_the_sphere_is_metric_around_the_threshold():

@@ -30,6 +30,14 @@ def test_scale_lengths_at_1000_ft_are_1000_ft():
     assert intensity(304.8, MODERATE).sigma_along == pytest.approx(0.1 * MODERATE)
 
 
+def test_intensity_at_100_ft_by_hand():
+    # 0.177 + 0.0823 = 0.2593; 0.2593^-0.4 = 1.7159; 100 ft / 0.2593^1.2 = 505.2 ft
+    now = intensity(30.48, 10.0)
+    assert now.sigma_along == pytest.approx(1.7159, abs=1e-4)
+    assert now.length_along == pytest.approx(505.2 * 0.3048, rel=1e-4)
+    assert (now.sigma_up, now.length_up) == pytest.approx((1.0, 30.48))
+
+
 @pytest.fixture(scope="module")
 def records():
     """800 independent gusts of 6 s each at three heights, moderate, 72 m/s: (run, time, axis)."""
