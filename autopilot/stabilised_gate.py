@@ -15,10 +15,12 @@ class GateState(NamedTuple):
     elapsed: float
     sums: tuple[float, float, float, float]
     blocks: tuple[tuple[float, float, float, float], ...]
-    exceeded: float  # s
+    exceeded: float  # s, INSIDE while no limit is
 
 
-FRESH = GateState(0.0, (0.0, 0.0, 0.0, 0.0), (), 0.0)
+INSIDE = -1.0
+ROUNDING = 1e-6  # s, of a sum of steps
+FRESH = GateState(0.0, (0.0, 0.0, 0.0, 0.0), (), INSIDE)
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ class StabilisedGate:
             sums[2] + height_error * dt,
             sums[3] + cross_track * dt,
         )
-        if elapsed < BLOCK - 1e-9:
+        if elapsed < BLOCK - ROUNDING:
             return GateState(elapsed, sums, blocks, exceeded)
         wanted = round(self.window / BLOCK)
         mean = (sums[0] / elapsed, sums[1] / elapsed, sums[2] / elapsed, sums[3] / elapsed)
@@ -82,9 +84,9 @@ class StabilisedGate:
                 or abs(height_error) > max(self.glide_path * distance, self.height_error)
                 or abs(cross_track) > self.cross_track
             )
-            exceeded = exceeded + elapsed if outside else 0.0
+            exceeded = INSIDE if not outside else 0.0 if exceeded == INSIDE else exceeded + elapsed
         return GateState(0.0, FRESH.sums, blocks, exceeded)
 
     def missed(self, s: GateState) -> bool:
         """Whether a limit was exceeded for long enough: go around."""
-        return s.exceeded >= self.persistence and s.exceeded > 0.0
+        return s.exceeded >= self.persistence - ROUNDING and s.exceeded != INSIDE
