@@ -36,7 +36,8 @@ class ProbabilisticDataAssociation:
 
     A candidate with a NaN is none. What a run may have seen: at most one candidate is the target's, the others are
     false alarms, Poisson in number and uniform in place. The tracker's state must be a `Gaussian`, a `Mixture`, or
-    (nested tuples of) these and arrays; an array that is neither is taken from the most probable hypothesis.
+    (nested tuples of) these and arrays; an array that is neither is taken from the most probable hypothesis. The
+    tracker predicts once; a step of no time must be a mere update.
 
     The innovation is the combined one, its log-likelihood the logarithm of the ratio "target and false alarms" to
     "false alarms alone", which is the usual track score. Its NIS is smaller than chi-square.
@@ -67,7 +68,7 @@ class ProbabilisticDataAssociation:
         missed, _ = self.tracker.step(state, dt, None, None)
         if z is None:
             return missed, None
-        candidates = [self.tracker.step(state, dt, one, R) for one in z if not np.isnan(one).all()]
+        candidates = [self.tracker.step(missed, 0.0, one, R) for one in z if not np.isnan(one).all()]
         hits = [(hit, innovation) for hit, innovation in candidates if innovation is not None]
         if not hits:
             return missed, None

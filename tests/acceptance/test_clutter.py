@@ -65,7 +65,7 @@ class NearestPlot:
     def step(self, state: Any, dt: float, z: Any, R: Any) -> Any:
         tracker = self.associated.tracker
         missed, _ = tracker.step(state, dt, None, None)
-        hits = [tracker.step(state, dt, one, R) for one in z if not np.isnan(one).all()]
+        hits = [tracker.step(missed, 0.0, one, R) for one in z if not np.isnan(one).all()]
         score = np.stack(
             [np.where(np.isfinite(i.white).all(axis=0) & (i.nis < 16.2), i.log_likelihood, -np.inf) for _, i in hits]
         )

@@ -17,12 +17,14 @@ from tracking.bounds import (
     posterior_bound,
     trajectory_averaged_riccati,
 )
-from tracking.consistency import Consistency, Summary, Sums, gain
+from tracking.consistency import Consistency, Summary, Sums, gain, mean_interval, normalised_error
 from tracking.gaussian import Gaussian, merge
 from tracking.measurement import ConvertedPolar, DebiasedPolar, ExtendedPolar, LinearMeasurement
+from tracking.monitor import NisMonitor
 from tracking.motion import CARTESIAN, ConstantVelocity, planar_constant_velocity
 from tracking.reference_filter import ReferenceFilter
-from tracking.track import Measurements, chunks, follow
+from tracking.smoothing import smooth_models
+from tracking.track import Measurements, chunks, follow, track
 from tracking.trackers.imm import InteractingMultipleModel, ModelSet, published_set
 from tracking.trackers.kalman import Kalman
 
@@ -178,13 +180,66 @@ def test_imm_against_the_reference_filter(row, stay, stay_turning, sigma):
     assert met
 
 
+def test_smoothing_on_the_models_own_truth(row):
+    """IMM, chain 0.99/0.98, plots of 100 m: the whole record, and a delay of ten scans."""
+    generator = np.random.default_rng(1004)
+    start, prior = np.array([-10000.0, 72.0, 7000.0, 0.0]), np.diag([1000.0, 0.05, 1000.0, 0.05])
+    tracker = InteractingMultipleModel(PLOTS, published_set())
+    truth, _, measurements = switching(published_set(), 100.0, 400, 300, generator, start, prior)
+    given = measurements, Gaussian(start, prior), 0.0
+
+    def squares(record):
+        return ((record.mean - truth)[:, POSITION] ** 2).sum(axis=1).mean(axis=0)
+
+    filtered = squares(track(tracker, *given))
+    for name, lag in (("whole record", None), ("lag of 10 scans", 10)):
+        smoothed = smooth_models(tracker, *given, lag=lag)
+        nees = [
+            normalised_error(Gaussian(mean, cov), x).mean()
+            for mean, cov, x in zip(smoothed.mean, smoothed.cov, truth, strict=True)
+        ]
+        told = f"{spread(gain(filtered, squares(smoothed)))}; ANEES {np.mean(nees) / 4:.3f}"
+        row(f"IMM smoothing, {name}: RMSE of the filter over it", "reported", told, True)
+
+
+def test_false_alarms_of_the_monitor(row):
+    """Window of 10, stated 1e-3 for each epoch, 2000 runs x 200 epochs on each tracker's own model."""
+    generator = np.random.default_rng(1005)
+    start, prior = np.array([-10000.0, 72.0, 7000.0, 0.0]), np.diag([1000.0, 25.0, 1000.0, 25.0])
+    truth = straight(start, prior, 0.3, 2000, 200, generator)
+    z = truth[:, [0, 2]] + 100.0 * generator.standard_normal((200, 2, 2000))
+    plots = {
+        "Kalman": (Kalman(PLOTS, ConstantVelocity(0.3)), record(z, 1e4 * np.eye(2))),
+        "IMM": (
+            InteractingMultipleModel(PLOTS, published_set(0.3)),
+            switching(published_set(0.3), 100.0, 2000, 200, generator, start, prior)[2],
+        ),
+    }
+    monitor = NisMonitor(window=10, false_alarm_rate=1e-3)
+    for name, (tracker, measurements) in plots.items():
+        rates = []
+        for chosen in chunks(2000):
+            window, alarms = monitor.begin(), []
+            for epoch in follow(tracker, measurements.runs(chosen), Gaussian(start, prior), start=0.0):
+                window, verdict = monitor.step(window, epoch.innovation)
+                alarms.append(verdict.alarm)
+            rates.append(np.mean(alarms, axis=0))
+        rate = mean_interval(np.concatenate(rates))
+        exact = name == "Kalman"
+        met = rate.contains(1e-3) or not exact
+        told = f"{rate.value:.5f} ({rate.low:.5f} to {rate.high:.5f})"
+        row(f"NIS monitor on {name}: false alarms for each epoch", "0.001" if exact else "reported", told, met)
+        assert met
+
+
 STREAM = """
 import resource, sys
 import numpy as np
 from tracking.consistency import Consistency
 from tracking.gaussian import Gaussian
 from tracking.measurement import LinearMeasurement
-from tracking.track import Measurements, chunks, follow
+from tracking.smoothing import smooth_models
+from tracking.track import Measurements, chunks, follow, track
 from tracking.trackers.imm import InteractingMultipleModel, published_set
 runs, epochs = 10_000, 500
 generator = np.random.default_rng(1)
