@@ -22,6 +22,7 @@ def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any]) -> dict
         "sentence": what_happened(flight, metrics["flight"], checks),
         "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed"),
         "failed": failed,
+        "others": _outcomes(metrics.get("flights_summary", {}).get("outcomes", {})),
         "warnings": metrics.get("warnings", []),
         "key_figures": _key_figures(metrics["flight"]),
     }
@@ -61,6 +62,14 @@ KEY_FIGURES = (
     ("touchdown.sink_mps", "sink at touchdown"),
     ("touchdown.crab_deg", "crab at touchdown"),
 )
+
+
+def _outcomes(counts: dict[str, int]) -> str:
+    """How all flights ended, where there are several."""
+    ends = ", ".join(f"{count} {words(name)}" for name, count in sorted(counts.items(), key=lambda end: -end[1]))
+    return f"Outcomes of all {sum(counts.values())} flights: {ends}." if sum(counts.values()) > 1 else ""
+
+
 TENTHS = ("duration_s", "time_saturated_s", "settling_s")
 
 

@@ -59,7 +59,7 @@ def write(
         reason=first_clause(flight.reason),
         last_state=last_state(flight),
         flight_rows=halves(scalar_rows(metrics["flight"])),
-        spread=spread_rows(metrics.get("flights_summary")),
+        spread=spread_rows(metrics.get("flights_summary", {})),
         trackers=tracker_tables(tracks) if tracks else [],
         draws=metrics.get("draws"),
         scenario_text=dumps(scenario.tables),

@@ -106,18 +106,18 @@ def halves(rows: list[Any]) -> list[list[Any]]:
     return [rows[:middle], rows[middle:]]
 
 
-def spread_rows(summary: dict[str, Any] | None) -> dict[str, Any] | None:
-    """Outcome counts and percentiles over several flights."""
-    if not summary or sum(summary.get("outcomes", {}).values()) < 2:
-        return None
+def spread_rows(summary: dict[str, Any]) -> list[tuple[str, ...]]:
+    """(name, unit, 5th, 50th, 95th percentile) over several flights; empty for one."""
+    if sum(summary.get("outcomes", {}).values()) < 2:
+        return []
     rows = []
     for key, figures in summary.items():
-        if key != "outcomes":
+        if key not in ("outcomes", "landed"):
             name, suffix = split(key)
             values = [figures["p5"], figures["p50"], figures["p95"]]
             places = decimals(*values)
             rows.append((name, suffix, *(number(float(v), places) for v in values)))
-    return {"outcomes": [(words(name), count) for name, count in summary["outcomes"].items()], "rows": rows}
+    return rows
 
 
 def law_rows(law: Any) -> list[tuple[str, str, str]]:

@@ -148,6 +148,14 @@ def test_the_first_screen_says_what_happened_before_all_else(landed):
     assert "Research software, not for operational use" in page.text
 
 
+def test_several_flights_tell_how_all_of_them_ended(make_flight, tmp_path):
+    band = {"p5": 0.4, "p50": 0.5, "p95": 0.9}
+    summary = {"outcomes": {"go_around": 1, "landed": 19}, "touchdown.sink_mps": band}
+    page = written(tmp_path, make_flight(np.arange(3.0), ["final"] * 3), flights=20, flights_summary=summary)
+    assert page.text.count("Outcomes of all 20 flights: 19 landed, 1 go around.") == 2
+    assert "first of 20 flights" in page.text
+
+
 def test_whatever_a_scenario_says_stays_text(make_flight, tmp_path):
     given = scenario(checks=[{"metric": "bank_deg", "name": EVIL, "max": 16.1, "source": EVIL}])
     given = dataclasses.replace(given, name=EVIL)

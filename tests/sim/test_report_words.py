@@ -196,9 +196,10 @@ def test_nested_figures_are_written_out_and_texts_left_to_the_page():
 
 def test_the_spread_is_shown_for_several_flights_only():
     band = {"p5": 1.0, "p50": 2.0, "p95": 3.0}
-    assert spread_rows({"outcomes": {"landed": 1}, "sink_mps": band}) is None
-    spread = spread_rows({"outcomes": {"landed": 19, "go_around": 1}, "sink_mps": band})
-    assert spread == {"outcomes": [("landed", 19), ("go around", 1)], "rows": [("sink", "m/s", "1.00", "2.00", "3.00")]}
+    assert spread_rows({"outcomes": {"landed": 1}, "sink_mps": band}) == []
+    assert spread_rows({"outcomes": {"landed": 19, "go_around": 1}, "landed": band, "sink_mps": band}) == [
+        ("sink", "m/s", "1.00", "2.00", "3.00")
+    ]
 
 
 def test_sources_come_from_the_docstrings_of_what_ran():
