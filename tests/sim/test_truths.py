@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from aircraft.state import STANDARD_GRAVITY, AircraftState
+from aircraft.units import SUFFIXES
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
 from sim import catalogue
+from sim.parameters import model_of
 from sim.truths.base_turn import BaseTurn
 from sim.truths.beacon_homing import BeaconHoming
 from sim.truths.landing_pattern import LandingPattern
@@ -77,6 +79,14 @@ def test_records_are_whole(flights, kind):
     assert flight.leg.shape == flight.phase.shape == (rows,)
     assert set(np.unique(flight.phase)) <= set(range(len(flight.phases)))
     assert np.abs(flight.deviation.cross_track).max() < 20000.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_parameters_can_be_written_in_a_file(kind):
+    """Every field that is not given has a type and a unit that the scenario's reader knows."""
+    table = model_of(catalogue.load("truths", kind))
+    assert table.model_validate({}) is not None
+    assert any(key.rsplit("_", 1)[-1] in SUFFIXES for key in table.model_fields)
 
 
 @pytest.mark.parametrize(
