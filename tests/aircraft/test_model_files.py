@@ -51,6 +51,7 @@ def test_a_users_folder_flies_like_our_own(folder):
         '<output name="localhost" type="SOCKET" port="PORT" protocol="UDP" rate="10"><rates>ON</rates></output>',
         '<output file="other"/>',
         '<input port="PORT"/>',
+        '<system name="x"><channel name="y"><input port="PORT"/></channel></system>',
         '<system name="x"><channel name="y"><output name="OUT" type="CSV"><rates/></output></channel></system>',
     ],
 )

@@ -64,7 +64,7 @@ def test_wind_adds_to_the_path_over_the_ground():
     assert seen.airspeed == 72.0
 
 
-@pytest.mark.parametrize("wind", [(0.0, 0.0, 0.0), (-15.0, 4.0, 0.0)])
+@pytest.mark.parametrize("wind", [(0.0, 0.0, 0.0), (-15.0, 4.0, 0.0), (5.0, 0.0, 1.0)])
 def test_glide_path_is_flown_over_the_ground(wind):
     mass = PointMass()
     angle = -math.radians(8.0 / 3.0)

@@ -110,6 +110,16 @@ def test_state_matrix_agrees_with_jsbsims_own(model, airspeed, flaps):
     assert (np.abs(ours - theirs) < 0.012 * size).all()
 
 
+@pytest.mark.parametrize("path", [-0.07, 0.0, 0.04])
+def test_a_trim_flies_the_wanted_path_without_sideslip_though_it_banks(path):
+    airframe = load("c172x")  # its propeller's torque takes 0.2 deg of bank
+    steady = trim(airframe, 33.4, path, flaps=0.17, gear=1.0)
+    state = airframe.begin(steady.at(0.0, 0.0, 500.0, 1.0), (3.0, -4.0, 0.0))
+    assert abs(state.bank) > 1e-3
+    assert state.flight_path_angle == pytest.approx(path, abs=1e-10)
+    assert state.sideslip == pytest.approx(0.0, abs=1e-10)
+
+
 def test_what_cannot_be_trimmed_says_why():
     airframe = load("an26")
     for arguments, message in (

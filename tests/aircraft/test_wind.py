@@ -101,6 +101,17 @@ def test_a_row_of_noise_belongs_to_a_step_however_the_time_is_asked():
     assert seldom.velocity(1996 / 120.0, place, 72.0) == every[1996]  # the same time again is the same gust
 
 
+def test_the_gust_is_frozen_in_the_air_that_is_flown_through():
+    """Twice the airspeed at twice the rate meets the same gusts at the same places."""
+    slow = Turbulence(MODERATE, np.random.default_rng(1), rate=60.0)
+    fast = Turbulence(MODERATE, np.random.default_rng(1), rate=120.0)
+    for step in range(100):
+        met = fast.velocity(step / 120.0, (0.0, 0.0, 50.0), 80.0)
+        assert slow.velocity(step / 60.0, (0.0, 0.0, 50.0), 40.0) == pytest.approx(met, abs=1e-12)
+    other = Turbulence(MODERATE, np.random.default_rng(1), rate=120.0)
+    assert other.velocity(99 / 120.0, (0.0, 0.0, 50.0), 40.0) != pytest.approx(met, abs=1e-3)
+
+
 def test_turbulence_does_not_depend_on_the_wind_but_turns_with_it():
     place = (0.0, 0.0, 100.0)
     calm = Turbulence(MODERATE, np.random.default_rng(1))
