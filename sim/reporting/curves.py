@@ -60,18 +60,12 @@ def phase_strip(axes: Any, flight: Flight) -> None:
     axes.set_xlim(float(time[0]), float(time[0]) + span)
 
 
-def phases_flown(flight: Flight) -> list[str]:
-    """Names of the phases in the order in which they were first flown."""
-    return list(dict.fromkeys(flight.phases[int(i)] for i in flight.phase))
-
-
-def phase_legend(axes: Any, flight: Flight, **place: Any) -> Any:
-    """A legend of the phases that were flown."""
+def phase_handles(flight: Flight) -> tuple[list[Any], list[str]]:
+    """Handles and labels of a legend of the phases that were flown."""
     from matplotlib.lines import Line2D
 
-    names = phases_flown(flight)
-    handles = [Line2D([], [], color=style.phase_colour(name), linewidth=2.5) for name in names]
-    return axes.legend(handles, [words(name) for name in names], **place)
+    names = list(dict.fromkeys(flight.phases[int(i)] for i in flight.phase))
+    return [Line2D([], [], color=style.phase_colour(name), linewidth=2.5) for name in names], [words(n) for n in names]
 
 
 def pad(axes: Any, least: float, share: float = 0.08) -> None:

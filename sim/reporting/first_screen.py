@@ -12,8 +12,25 @@ from sim.reporting.quantities import decimals, number, split, words
 from sim.reporting.rows import check_name
 from sim.reporting.sentence import what_happened
 
+KEY_FIGURES = (
+    ("duration_s", "flight time"),
+    ("bank_max_deg", "greatest bank"),
+    ("time_saturated_s", "at the bank limit"),
+    ("base_overshoot_m", "overshoot of base"),
+    ("overshoot_m", "overshoot of the last leg"),
+    ("settling_s", "settled after"),
+    ("cross_track_rms_final_m", "cross-track RMS, final"),
+    ("height_error_rms_final_m", "height error RMS, glide path"),
+    ("touchdown.past_threshold_m", "touchdown past the threshold"),
+    ("touchdown.cross_track_m", "touchdown right of centreline"),
+    ("touchdown.sink_mps", "sink at touchdown"),
+    ("touchdown.crab_deg", "crab at touchdown"),
+)
+TENTHS = ("duration_s", "time_saturated_s", "settling_s")
+
 
 def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any]) -> dict[str, Any]:
+    """What the head of the page is filled with."""
     checks = metrics.get("checks", [])
     failed = [check_name(check) for check in checks if check["passed"] is False]
     return {
@@ -29,6 +46,7 @@ def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any]) -> dict
 
 
 def _subtitle(scenario: Any, metrics: dict[str, Any]) -> list[str]:
+    """What was flown: aircraft, law, air, seed."""
     aircraft, wind = scenario.aircraft, scenario.wind
     parts = ["point mass" if aircraft.model == "point_mass" else data(aircraft.model).title]
     if aircraft.mass is not None:
@@ -39,38 +57,18 @@ def _subtitle(scenario: Any, metrics: dict[str, Any]) -> list[str]:
     else:
         parts.append("no steady wind")
     if wind.intensity > 0:
-        parts.append(
-            f"turbulence {wind.turbulence if wind.turbulence != 'none' else ''} (W20 {wind.intensity:.1f} m/s)"
-        )
+        level = "" if wind.turbulence == "none" else f"{wind.turbulence} "
+        parts.append(f"{level}turbulence, {wind.intensity:.1f} m/s at 20 ft")
     parts.append(f"seed {metrics.get('seed', scenario.seed)}")
     if metrics.get("flights", 1) > 1:
         parts.append(f"first of {metrics['flights']} flights")
     return parts
 
 
-KEY_FIGURES = (
-    ("duration_s", "flight time"),
-    ("bank_max_deg", "greatest bank"),
-    ("time_saturated_s", "at the bank limit"),
-    ("base_overshoot_m", "overshoot of base"),
-    ("overshoot_m", "overshoot of the last leg"),
-    ("settling_s", "settled after"),
-    ("cross_track_rms_final_m", "cross-track RMS, final"),
-    ("height_error_rms_final_m", "height error RMS, glide path"),
-    ("touchdown.past_threshold_m", "touchdown past the threshold"),
-    ("touchdown.cross_track_m", "touchdown right of centreline"),
-    ("touchdown.sink_mps", "sink at touchdown"),
-    ("touchdown.crab_deg", "crab at touchdown"),
-)
-
-
 def _outcomes(counts: dict[str, int]) -> str:
     """How all flights ended, where there are several."""
     ends = ", ".join(f"{count} {words(name)}" for name, count in sorted(counts.items(), key=lambda end: -end[1]))
     return f"Outcomes of all {sum(counts.values())} flights: {ends}." if sum(counts.values()) > 1 else ""
-
-
-TENTHS = ("duration_s", "time_saturated_s", "settling_s")
 
 
 def _key_figures(flight: dict[str, Any]) -> list[tuple[str, str, str]]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.flight import Flight
 from sim.reporting import style
-from sim.reporting.curves import by_phase, phases_flown
+from sim.reporting.curves import by_phase, phase_handles
 from sim.reporting.quantities import words
 from sim.tables import Runway
 
@@ -164,14 +164,8 @@ def _emptiest(axes: Any, busy: np.ndarray) -> tuple[float, float]:
 
 
 def _legend(figure: Any, axes: Any, flight: Flight) -> None:
-    from matplotlib.lines import Line2D
-
-    handles, labels = axes.get_legend_handles_labels()
-    names = phases_flown(flight)
-    colours = [Line2D([], [], color=style.phase_colour(name), linewidth=2.5) for name in names]
-    top = 1 - 0.02 / figure.get_figheight()
-    row = 0.17 / figure.get_figheight()
-    left = style.LEFT / style.WIDTH
-    common = {"loc": "upper left", "borderaxespad": 0.0, "columnspacing": 1.1, "handletextpad": 0.4}
-    figure.legend(colours, [words(name) for name in names], bbox_to_anchor=(left, top), ncols=10, **common)
-    figure.legend(handles, labels, bbox_to_anchor=(left, top - row), ncols=10, **common)
+    """Two rows above the map: the phases, then everything else."""
+    height = figure.get_figheight()
+    place = {"loc": "upper left", "borderaxespad": 0.0, "columnspacing": 1.1, "handletextpad": 0.4, "ncols": 10}
+    for (handles, labels), down in ((phase_handles(flight), 0.02), (axes.get_legend_handles_labels(), 0.19)):
+        figure.legend(handles, labels, bbox_to_anchor=(style.LEFT / style.WIDTH, 1 - down / height), **place)

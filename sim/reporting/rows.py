@@ -13,7 +13,7 @@ from sim.reporting.sentence import first_clause
 from sim.signals import SIGNALS
 from sim.tables import Check
 
-MOST_EVENTS = 60
+MOST_EVENTS = 60  # before the last, which says how the flight ended
 
 
 def check_row(asked: Check, check: dict[str, Any]) -> dict[str, Any]:
@@ -59,7 +59,7 @@ def _statistic(name: str, lasting: float) -> str:
 def event_rows(flight: Flight) -> list[tuple[str, ...]]:
     """(time, event, height, airspeed, bank, detail) of everything that happened once."""
     rows = []
-    for event in flight.events[:MOST_EVENTS]:
+    for event in (*flight.events[:-1][:MOST_EVENTS], *flight.events[-1:]):
         at = min(int(np.searchsorted(flight.time, event.time)), len(flight.time) - 1)
         s = flight.state
         rows.append(
