@@ -142,3 +142,15 @@ def test_a_wrong_folder_is_told_in_one_sentence_and_left_alone(run_folder, damag
 def test_no_folder_at_all(tmp_path):
     with pytest.raises(OutputError, match="no such folder"):
         export_csv(tmp_path / "nowhere")
+
+
+def test_a_sensor_that_saw_nothing_has_a_header_and_no_rows(run_folder):
+    empty = {
+        "time_s": np.empty(0),
+        "channels": np.array(("range",)),
+        "z": np.empty((0, 1, 2)),
+        "R": np.empty((0, 1, 1)),
+    }
+    write_npz(run_folder / "measurements.npz", {f"radar.{name}": array for name, array in empty.items()})
+    export_csv(run_folder)
+    assert (run_folder / "measurements.radar.csv").read_text() == "time_s,draw,range_m,range_sigma_m\n"
