@@ -90,6 +90,12 @@ def update(gaussian: Gaussian, z: Array, H: Array, R: Array) -> tuple[Gaussian, 
     residual = z - _apply(H, gaussian.mean)
     absent = _absent(z, residual)
     if absent is not None:
+        heard = _heard(absent)
+        if heard is not None:
+            posterior, innovation = (
+                update(gaussian, z[heard], H[heard], R[np.ix_(heard, heard)]) if heard.size else (gaussian, None)
+            )
+            return posterior, _scattered(innovation, heard, residual)
         H, R, residual = _without(absent, H, R, residual)
     P, H, R = _aligned(gaussian.cov, H, R)
     cross = _product(H, P)  # H P (m, n, *C)
@@ -176,6 +182,14 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
     residual = z - _apply(H, mixture.mean)
     absent = _absent(z, residual)
     if absent is not None:
+        heard = _heard(absent)
+        if heard is not None:
+            posterior, innovation = (
+                update_mixture(mixture, z[heard, 0], H[heard], R[np.ix_(heard, heard)])
+                if heard.size
+                else (mixture, None)
+            )
+            return posterior, _scattered(innovation, heard, residual[:, 0])
         H, R, residual = _without(absent, H, R, residual)
     cross = _product(H, mixture.cov)
     S = _plus(_product(H, cross.swapaxes(0, 1)), lift(R, 2, batch + 1))
@@ -252,6 +266,21 @@ def _absent(z: Array, residual: Array) -> Array | None:
         return None
     absent = np.isnan(z)
     return absent if absent.any() else None
+
+
+def _heard(absent: Array) -> Array | None:
+    """Rows that any run has, or None where no row is absent from all runs: silent sensors cost nothing."""
+    silent = absent.reshape(len(absent), -1).all(axis=1)
+    return np.flatnonzero(~silent) if silent.any() else None
+
+
+def _scattered(innovation: Innovation | None, heard: Array, residual: Array) -> Innovation:
+    """An innovation of some rows as one of all rows (m, *B), NaN where nothing was heard."""
+    white = np.full(residual.shape, np.nan)
+    if innovation is None:
+        return Innovation(white, np.zeros(residual.shape[1:]), np.zeros(residual.shape[1:]))
+    white[heard] = innovation.white
+    return Innovation(white, innovation.nis, innovation.log_likelihood)
 
 
 def _without(absent: Array, H: Array, R: Array, residual: Array) -> tuple[Array, Array, Array]:

@@ -225,7 +225,10 @@ class Stacked:
         parts, first = [], 0
         for model in self.models:
             rows = slice(first, first + model.rows)
-            parts.append(model.linearise(z[rows], R[rows, rows], mean))
+            if np.isnan(z[rows]).all():  # the usual case: sensors rarely look at the same moment
+                parts.append(_nothing(model, z.shape[1:]))
+            else:
+                parts.append(model.linearise(z[rows], R[rows, rows], mean))
             first = rows.stop
         batch = max(max(part.H.ndim - 2, part.R.ndim - 2) for part in parts)
         shape = np.broadcast_shapes(*(lift(m, 2, batch).shape[2:] for part in parts for m in (part.H, part.R)))
@@ -238,6 +241,12 @@ class Stacked:
             joint[first:last, first:last] = lift(part.R, 2, batch)
             first = last
         return Linear(np.concatenate([part.z for part in parts]), np.concatenate(H), joint)
+
+
+def _nothing(model: MeasurementModel, batch: tuple[int, ...]) -> Linear:
+    """The linear form of a sensor that is silent for all runs."""
+    H = _matrix(model.H) if isinstance(model, LinearMeasurement) else positions(getattr(model, "channels", CARTESIAN))
+    return Linear(np.full((len(H), *batch), np.nan), H, np.eye(len(H)))
 
 
 def positions(channels: tuple[str, ...]) -> Array:

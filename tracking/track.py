@@ -102,6 +102,7 @@ class Epoch(NamedTuple):
     time: float  # s, when the estimate holds
     estimate: Gaussian | Mixture
     innovation: Innovation | None
+    state: Any  # of the tracker, from which a look-ahead can be taken
 
 
 def follow(
@@ -145,7 +146,7 @@ def follow(
                 state, innovation = tracker.step(state, known - now, None, None)
             now = known
             estimate = tracker.estimate(state)
-        yield Epoch(index, now, estimate, innovation)
+        yield Epoch(index, now, estimate, innovation, state)
 
 
 def track(tracker: Tracker, measurements: Measurements, prior: Gaussian, start: float | None = None) -> Track:
