@@ -261,9 +261,9 @@ def test_blocks_are_plain_kalman_filters_and_gains_do_not_look_at_the_data():
     prior = prior_of(flight, 0.15 * DEGREE, 3, rng)
     tracker = LoadFactor(MEASURED, 0.0)
     state, judge = tracker.begin(Gaussian(prior.mean, prior.cov[..., None])), None
-    F, Q = singer(0.7, 20.0, 100.0 / 40.0)
+    F, Q = singer(0.7, 20.0, 1e4 / 40.0)
     mean = np.vstack([prior.mean[:2], np.zeros((1, 3))])
-    judge = Gaussian(mean, np.diag([*np.diag(prior.cov)[:2], 100.0 / 40.0]))
+    judge = Gaussian(mean, np.diag([*np.diag(prior.cov)[:2], 1e4 / 40.0]))
     for z, R in zip(measurements.z[:40], measurements.R, strict=False):
         state, _ = tracker.step(state, 0.7, z, R[..., None])
         judge, _ = update(predict(judge, F, Q), z[:1], np.eye(1, 3), R[:1, :1])

@@ -165,7 +165,7 @@ class LoadFactor:
     azimuth_correlation_time: Annotated[float, "s"] = 10.0
     kinematic_density: Annotated[float, "rad2/s3"] = 3e-6
     kinematic_correlation_time: Annotated[float, "s"] = 20.0
-    range_density: Annotated[float, "m2/s3"] = 100.0
+    range_density: Annotated[float, "m2/s3"] = 1e4  # the Coriolis term takes a lagging range rate for an acceleration
     range_correlation_time: Annotated[float, "s"] = 20.0
     elevation_density: Annotated[float, "rad2/s3"] = 1e-8
     elevation_correlation_time: Annotated[float, "s"] = 50.0
