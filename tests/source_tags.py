@@ -210,7 +210,7 @@ def table(collection: Collection) -> str:
     for paper, entry in PAPERS.items():
         if not entry["equations"]:
             continue
-        lines += ["", f"## {entry['tag']}", "", "| place | what it is | code |", "|---|---|---|"]
+        lines += ["", f"## {entry['tag']}", "", "| place | what it is | code | mutants |", "|---|---|---|---|"]
         places = {f"eq. ({number})": what for number, what in entry["equations"].items()} | entry["places"]
         for tag in collection.tags:
             if tag.paper == paper and tag.place not in places:
@@ -222,7 +222,7 @@ def table(collection: Collection) -> str:
             if not code and number in entry["background"]:
                 code = f"none: {entry['background'][number]}"
             if code or number:
-                lines.append(f"| {place} | {what} | {code or 'none yet'} |")
+                lines.append(f"| {place} | {what} | {code or 'none yet'} | {', '.join(proofs(paper, place))} |")
         if entry["errata"]:
             lines += ["", "| erratum | printed | used | because | mutants |", "|---|---|---|---|---|"]
             for name, erratum in entry["errata"].items():
@@ -237,6 +237,24 @@ def table(collection: Collection) -> str:
                 guards = _guards(paper, name) or trap.get("no_mutant", "none yet")
                 lines.append(f"| {', '.join(trap['places'])} | {trap['about']} | {guards} |")
     return "\n".join(lines) + "\n"
+
+
+def proofs(paper: str, place: str) -> list[str]:
+    """Mutants that break what a place of a paper says."""
+    entry = PAPERS[paper]
+    return [
+        name
+        for name, mutant in MUTANTS.items()
+        if f"{paper} {place}" in mutant.get("equations", [])
+        or any(place in _places_guarded(entry, guard, paper) for guard in mutant["guards"])
+    ]
+
+
+def _places_guarded(entry: dict[str, Any], guard: str, paper: str) -> list[str]:
+    owner, name = guard.split(".")
+    if owner != paper:
+        return []
+    return list((entry["errata"].get(name) or entry["traps"][name])["places"])
 
 
 def _link(owner: Documented) -> str:

@@ -71,6 +71,28 @@ def test_every_figure_to_redraw_is_a_place():
         assert set(paper["figures"]) <= set(paper["places"])
 
 
+def test_every_equation_in_the_code_has_a_mutant(collection):
+    """A tag is a claim that something computes this equation; a test must fail when it does not."""
+    unproven = {
+        f"{tag.paper} {tag.place}"
+        for tag in collection.tags
+        if tag.place.startswith("eq. (") and tag.place[5:-1] not in PAPERS[tag.paper]["background"]
+        if not source_tags.proofs(tag.paper, tag.place)
+    }
+    assert not unproven
+
+
+def test_every_mutant_bites_where_its_equation_is(collection):
+    tagged = {(f"{tag.paper} {tag.place}", tag.owner.file) for tag in collection.tags}
+    wrong = [
+        f"{name}: {mutant['file']} does not hold {equation}"
+        for name, mutant in MUTANTS.items()
+        for equation in mutant.get("equations", [])
+        if (equation, mutant["file"]) not in tagged
+    ]
+    assert not wrong
+
+
 def test_every_mutant_guards_something_listed():
     listed = {f"{paper}.{name}" for paper, _, name in GUARDED}
     strays = {guard for mutant in MUTANTS.values() for guard in mutant["guards"]} - listed
