@@ -17,7 +17,7 @@ from sim.reporting.plan_view import plan_view
 from sim.reporting.quantities import number, words
 from sim.reporting.rows import check_row, event_rows, halves, last_state, law_rows, scalar_rows, spread_rows
 from sim.reporting.sentence import first_clause
-from sim.reporting.sources import aircraft_sources, sources, what_ran
+from sim.reporting.sources import FLIGHT_DYNAMICS, aircraft_sources, sources, what_ran
 from sim.reporting.tracker_tables import tracker_tables
 from sim.reporting.vertical_profile import touchdown_view, vertical_profile
 from sim.toml import dumps
@@ -50,6 +50,7 @@ def write(
     metrics : as in metrics.json            versions, timing : name -> version, name -> s
     tracks : name -> summary of a tracker, as in metrics.json under "trackers"; None = no trackers ran
     """
+    equations, papers, errata = sources(what_ran(scenario, law))
     page = _template().render(
         **first_screen(scenario, flight, metrics),
         charts=charts(flight, scenario, law),
@@ -67,7 +68,9 @@ def write(
         versions=sorted(versions.items()),
         timing=[(words(name.removesuffix("_s")), number(float(value), 2)) for name, value in timing.items()],
         aircraft_sources=aircraft_sources(scenario.aircraft.model),
-        **dict(zip(("equations", "papers", "errata"), sources(what_ran(scenario, law)), strict=True)),
+        equations=equations,
+        papers=papers if scenario.aircraft.model == "point_mass" else [*papers, FLIGHT_DYNAMICS],
+        errata=errata,
     )
     path.write_text(page, encoding="utf-8")
     return path

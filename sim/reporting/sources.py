@@ -41,6 +41,11 @@ PAPERS = {
     ),
 }
 
+FLIGHT_DYNAMICS = (
+    "J. S. Berndt: JSBSim: an open source flight dynamics model in C++. AIAA 2004-4923, 2004. "
+    "JSBSim integrates the equations of motion of this flight."
+)
+
 
 def what_ran(scenario: Any, law: Any) -> list[Any]:
     """Everything of a run whose docstring may name a source."""

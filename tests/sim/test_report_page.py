@@ -148,6 +148,19 @@ def test_the_first_screen_says_what_happened_before_all_else(landed):
     assert "Research software, not for operational use" in page.text
 
 
+def test_the_sources_are_those_of_what_flew(make_flight, tmp_path):
+    flight = make_flight(np.arange(3.0), ["final"] * 3)
+    own = written(tmp_path, flight, given=scenario(aircraft={"model": "an26"}))
+    assert "Antonov An-26" in own.text
+    assert "JSBSim integrates the equations of motion" in own.text
+    beacon = {"kind": "radio_beacon", "law": {"k3": 6.0, "k4": 1.2, "bearing_limit_deg": 5.0}}
+    law = RadioBeacon(6.0, 1.2, np.radians(20.0), np.radians(5.0))
+    point = written(tmp_path, flight, law=law, given=scenario(autopilot=beacon))
+    assert "JSBSim" not in point.text
+    assert "Vasylyev 2003, eq. (5)" in point.text
+    assert "Vasylyev 2003, eq. (4)" not in point.text
+
+
 def test_several_flights_tell_how_all_of_them_ended(make_flight, tmp_path):
     band = {"p5": 0.4, "p50": 0.5, "p95": 0.9}
     summary = {"outcomes": {"go_around": 1, "landed": 19}, "touchdown.sink_mps": band}
