@@ -17,7 +17,7 @@ import pytest
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, Route
 from tracking.association import ProbabilisticDataAssociation, blend, clutter_density
-from tracking.consistency import Consistency, proportion
+from tracking.consistency import Consistency, Interval, Summary, proportion
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.measurement import LinearMeasurement
 from tracking.motion import ConstantVelocity
@@ -94,8 +94,8 @@ def turning_final(generator) -> np.ndarray:
     return np.stack(truth)
 
 
-def seen(truth, rows, sigma: float, generator) -> np.ndarray:
-    """Candidates (k, c, m, N): the target's own plot, where detected, and false alarms, in shuffled order."""
+def seen(truth, rows, sigma: float, generator) -> tuple[np.ndarray, np.ndarray]:
+    """Candidates (k, c, m, N), its own plot among them in shuffled order, and its own plots alone (k, m, N)."""
     m, epochs = len(rows), len(truth)
     own = truth[:, rows] + sigma * generator.standard_normal((epochs, m, RUNS))
     own = np.where(generator.random((epochs, 1, RUNS)) < DETECTION, own, np.nan)
@@ -107,14 +107,15 @@ def seen(truth, rows, sigma: float, generator) -> np.ndarray:
     clutter = np.where(exists, truth[:, None, rows] + offset, np.nan)
     together = np.concatenate([own[:, None], clutter], axis=1)
     order = generator.random(together.shape[1]).argsort()
-    return together[:, order]
+    return together[:, order], own
 
 
-def judged(row, name: str, tracker, truth, rows, candidates, R, period: float, prior: Gaussian, far: float) -> None:
+def followed(tracker, truth, rows, plots, R, period: float, prior: Gaussian, far: float) -> tuple[Summary, Interval]:
+    """Statistics, and the share that ends farther than ``far`` from the target."""
     statistics = Consistency(rows)
     sums, state = statistics.begin(), tracker.begin(prior)
     with np.errstate(all="ignore"):
-        for k, z in enumerate(candidates):
+        for k, z in enumerate(plots):
             state, _ = tracker.step(state, period, z, R)
             estimate = tracker.estimate(state)
             estimate = merge(estimate) if isinstance(estimate, Mixture) else estimate
@@ -122,10 +123,18 @@ def judged(row, name: str, tracker, truth, rows, candidates, R, period: float, p
     summary = statistics.summary(sums)
     error = estimate.mean - truth[-1][: len(estimate.mean)]
     off = proportion(int((~(np.sqrt((error[list(rows)] ** 2).sum(axis=0)) < far)).sum()), RUNS)
+    return summary, off
+
+
+def judged(row, name: str, tracker, alone, truth, rows, candidates, own, *given) -> None:
+    """Under association, and the tracker ``alone`` on the target's own plots: what it loses without false alarms."""
+    summary, off = followed(tracker, truth, rows, candidates, *given)
+    quiet, quiet_off = followed(alone, truth, rows, own, *given)
     told = f"{summary.lost.value:.3f} ({summary.lost.low:.3f} to {summary.lost.high:.3f})"
     told += (
         f"; ends off target {off.value:.3f} ({off.low:.3f} to {off.high:.3f}); ANEES {summary.anees_position.value:.2f}"
     )
+    told += f"; without false alarms lost {quiet.lost.value:.3f}, off {quiet_off.value:.3f}"
     row(f"{name}: lost", "reported", told, True)
 
 
@@ -133,7 +142,7 @@ def test_base_turn_and_final_in_the_plane(row):
     """Isotropic plots of 100 m every 4 s; off target = more than 500 m at the end."""
     generator = np.random.default_rng(2001)
     truth = turning_final(generator)
-    candidates = seen(truth, [0, 2], SIGMA, generator)
+    candidates, own = seen(truth, [0, 2], SIGMA, generator)
     R = SIGMA**2 * np.eye(2)[..., None]
     spread = np.array([100.0, 5.0, 100.0, 5.0])
     mean = np.array([-13800.0, 0.0, -7000.0, SPEED])[:, None] + spread[:, None] * generator.standard_normal((4, RUNS))
@@ -156,10 +165,11 @@ def test_base_turn_and_final_in_the_plane(row):
     density = clutter_density(FALSE_ALARMS, R[..., 0])
     for name, tracker in trackers.items():
         associated = ProbabilisticDataAssociation(tracker, density, DETECTION)
-        judged(row, name, associated, truth, (0, 2), candidates, R, PERIOD, prior, 500.0)
+        judged(row, name, associated, tracker, truth, (0, 2), candidates, own, R, PERIOD, prior, 500.0)
     for name in ("constant velocity, q 3", "IMM, improved set", "intent IMM"):
         nearest = NearestPlot(ProbabilisticDataAssociation(trackers[name], density, DETECTION))
-        judged(row, f"{name}, nearest plot", nearest, truth, (0, 2), candidates, R, PERIOD, prior, 500.0)
+        alone = trackers[name]
+        judged(row, f"{name}, nearest plot", nearest, alone, truth, (0, 2), candidates, own, R, PERIOD, prior, 500.0)
 
 
 def test_elevation_channel(row):
@@ -179,7 +189,7 @@ def test_elevation_channel(row):
         x = F @ x + np.sqrt(np.diag(Q))[:, None] * generator.standard_normal((2, RUNS))
         truth.append(x)
     truth = np.stack(truth)
-    candidates = seen(truth, [0], sigma, generator)
+    candidates, own = seen(truth, [0], sigma, generator)
     R = sigma**2 * np.eye(1)[..., None]
     density = clutter_density(FALSE_ALARMS, R[..., 0])
     for name, tracker in {
@@ -187,4 +197,4 @@ def test_elevation_channel(row):
         "switching noise, two hypotheses": SwitchingNoise(measured),
     }.items():
         associated = ProbabilisticDataAssociation(tracker, density, DETECTION)
-        judged(row, name, associated, truth, (0,), candidates, R, period, prior, math.radians(0.3))
+        judged(row, name, associated, tracker, truth, (0,), candidates, own, R, period, prior, math.radians(0.3))
