@@ -9,9 +9,8 @@ holds (along, rate, cross, rate) and rotates mean and covariance at every change
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -20,9 +19,21 @@ from tracking.gaussian import Gaussian, lift
 from tracking.motion import CARTESIAN, GRAVITY, constant_velocity, double_integrator
 
 Array = Any
-Law = Callable[[Any], Array]  # deviation -> bank, rad
 
 CROSS_TRACK = ("cross_track", "cross_track_rate")
+
+
+class Law(Protocol):
+    """The autopilot's control law as it is told; this package knows no law by name."""
+
+    @property
+    def bank_limit(self) -> Any:
+        """rad."""
+        ...
+
+    def __call__(self, deviation: Any) -> Array:
+        """Bank, rad, for a deviation from the path."""
+        ...
 
 
 class Placed(NamedTuple):
@@ -42,6 +53,11 @@ class Steering(NamedTuple):
 
 class ReferencePath(Protocol):
     """Where the law's deviations are taken from. A place is what of the path is known besides the state."""
+
+    @property
+    def axes(self) -> int:
+        """Number of position components."""
+        ...
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -96,6 +112,7 @@ class Line:
     ground_speed: float  # m/s
     distance_to_go: float = math.inf  # m, at the beginning
     channels = CROSS_TRACK
+    axes = 1
 
     def __post_init__(self) -> None:
         if not self.ground_speed > 0.0:
@@ -121,6 +138,7 @@ class Legs:
     route: Any
     bank_limit: float  # rad, of the turns between legs
     channels = CARTESIAN
+    axes = 2
 
     @property
     def wind(self) -> tuple[float, float]:
@@ -158,7 +176,7 @@ class Legs:
         return self.route.sequence(place, (mean[0], mean[2]), (mean[1], mean[3]), self.bank_limit)
 
 
-def reference_path(route: Any, law: Any) -> ReferencePath:
+def reference_path(route: Any, law: Law) -> ReferencePath:
     """The line itself, or the legs of a route whose turns are flown at the law's bank limit."""
     return route if isinstance(route, Line) else Legs(route, float(np.max(law.bank_limit)))
 
@@ -216,11 +234,13 @@ def embed(normal: Array, across: Array, along: Array) -> Array:
     return blocks.reshape(size, size, *blocks.shape[4:])
 
 
-def uniform(path: ReferencePath, dt: float, density: float) -> tuple[Array, Array]:
-    """(F, Q) of uniform motion along every axis of the path's state, with white acceleration of a density (m2/s3)."""
-    F, Q = constant_velocity(dt, density)
-    axes = np.eye(len(path.channels) // 2)
-    return np.kron(axes, F), np.kron(axes, Q)
+@lru_cache(maxsize=64)
+def uniform(axes: int, dt: float, density: float) -> tuple[Array, Array]:
+    """(F, Q) of uniform motion along every axis, with white acceleration of a density (m2/s3); shared, read-only."""
+    along_axis = constant_velocity(dt, density)
+    F, Q = (np.kron(np.eye(axes), matrix) for matrix in along_axis)
+    F.flags.writeable = Q.flags.writeable = False
+    return F, Q
 
 
 def check_tuning(acceleration_density: float, sub_step: float) -> None:

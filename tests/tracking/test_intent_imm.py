@@ -170,3 +170,8 @@ def test_every_law_of_the_bank_converges():
 def test_bad_parameters_are_refused(wrong, words):
     with pytest.raises(ValueError, match=words):
         IntentImm(NOMINAL, LINE, CROSS_TRACK, **wrong)
+
+
+def test_a_law_without_an_intercept_is_refused():
+    with pytest.raises(ValueError, match="no intercept to identify"):
+        IntentImm(lambda deviation: 0.0, LINE, CROSS_TRACK)

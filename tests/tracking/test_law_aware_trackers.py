@@ -59,8 +59,8 @@ each = pytest.mark.parametrize("tracker", TRACKERS.values(), ids=TRACKERS.keys()
 @pytest.fixture(scope="module")
 def truths():
     rng = np.random.default_rng(5)
-    line = line_truth(flown_by(NOMINAL), (3000.0, 0.0), 32.0, rng, RUNS, dt=0.2)
-    turn = route_truth(PATTERN_LAW, BASE_TO_FINAL, (-13500.0, 0.0, -2000.0, PATTERN_SPEED), 32.0, rng, RUNS, dt=0.2).x
+    line = line_truth(flown_by(NOMINAL), (3000.0, 0.0), 24.0, rng, RUNS, dt=0.2)
+    turn = route_truth(PATTERN_LAW, BASE_TO_FINAL, (-13500.0, 0.0, -2000.0, PATTERN_SPEED), 24.0, rng, RUNS, dt=0.2).x
     return {2: line, 4: turn}
 
 
@@ -75,7 +75,7 @@ def test_an_ensemble_equals_its_single_runs(tracker, truths):
     """1e-12 of the scale of the states (1e4 m): only the order of sums differs."""
     start, measured = observed(tracker, truths)
     together = track(tracker, measured, start, start=0.0)
-    for run in range(RUNS):
+    for run in (0, RUNS - 1):
         z, mean = measured.z[..., run], start.mean[:, run]
         alone = track(tracker, replace(measured, z=z), Gaussian(mean, start.cov), start=0.0)
         np.testing.assert_allclose(together.mean[..., run], alone.mean, rtol=1e-12, atol=1e-8)

@@ -51,6 +51,8 @@ class IntentImm:
     def __post_init__(self) -> None:
         if not self.limit_factors or not all(factor > 0.0 for factor in self.limit_factors):
             raise ValueError(f"limit_factors must be positive numbers, at least one, not {self.limit_factors}")
+        if not any(hasattr(self.law, name) for name in LIMITS):
+            raise ValueError(f"the law has no {' and no '.join(LIMITS)}, so there is no intercept to identify")
         if not self.mean_stay > 0.0:
             raise ValueError(f"mean_stay must be positive, not {self.mean_stay} s")
         for density in (self.law_density, self.straight_density, self.manoeuvre_density):
@@ -138,7 +140,7 @@ class IntentImm:
         share = laws.weights / laws.weights.sum(axis=0)
         gaussian = Gaussian(laws.mean, laws.cov)
         count, step = sub_steps(dt, self.sub_step)
-        Q = lift(uniform(self._path, step, self.law_density)[1], 2, laws.cov.ndim - 2)
+        Q = lift(uniform(self._path.axes, step, self.law_density)[1], 2, laws.cov.ndim - 2)
         for _ in range(count):
             gaussian = forward(law, self._path, Placed(gaussian, place), step, Q)
             place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), step)
@@ -146,7 +148,7 @@ class IntentImm:
 
     def _coast(self, gaussian: Gaussian, dt: float) -> Gaussian:
         """Free flight, straight and manoeuvring."""
-        calm, F = uniform(self._path, dt, self.straight_density)[::-1]
-        wild = uniform(self._path, dt, self.manoeuvre_density)[1]
+        calm, F = uniform(self._path.axes, dt, self.straight_density)[::-1]
+        wild = uniform(self._path.axes, dt, self.manoeuvre_density)[1]
         batch = gaussian.cov.ndim - 2
         return predict(gaussian, lift(F, 2, batch), lift(np.stack([calm, wild], axis=-1), 3, batch - 1))

@@ -56,7 +56,7 @@ class LawEkf:
     def step(self, state: Placed, dt: float, z: Any | None, R: Any | None) -> tuple[Placed, Innovation | None]:
         if dt > 0.0:
             count, step = sub_steps(dt, self.sub_step)
-            _, Q = uniform(self._path, step, self.acceleration_density)
+            _, Q = uniform(self._path.axes, step, self.acceleration_density)
             for _ in range(count):
                 gaussian = advance(self.law, self._path, state, step, Q)
                 state = Placed(gaussian, self._path.advance(state.place, gaussian.mean, step))

@@ -80,7 +80,7 @@ class LinearFeedback:
 
     def _on_legs(self, state: Placed, dt: float) -> Placed:
         count, step = sub_steps(dt, self.sub_step)
-        F, Q = uniform(self._path, step, self.acceleration_density)
+        F, Q = uniform(self._path.axes, step, self.acceleration_density)
         for _ in range(count):
             (mean, cov), place = state
             normal = self._path.normal(place)

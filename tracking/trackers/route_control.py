@@ -43,7 +43,7 @@ class RouteControl:
 
     @cached_property
     def _path(self) -> Legs:
-        return Legs(self.route, float(np.max(self.law.bank_limit)))  # type: ignore[attr-defined]
+        return Legs(self.route, float(np.max(self.law.bank_limit)))
 
     def begin(self, prior: Gaussian) -> Placed:
         return Placed(prior, self._path.begin(prior.mean))
@@ -51,7 +51,7 @@ class RouteControl:
     def step(self, state: Placed, dt: float, z: Any | None, R: Any | None) -> tuple[Placed, Innovation | None]:
         if dt > 0.0:
             count, step = sub_steps(dt, self.sub_step)
-            _, Q = uniform(self._path, step, self.acceleration_density)
+            _, Q = uniform(self._path.axes, step, self.acceleration_density)
             forward = known_control if self.covariance == "known_control" else autonomous
             for _ in range(count):
                 gaussian = forward(self.law, self._path, state, step, Q)

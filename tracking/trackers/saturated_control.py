@@ -73,5 +73,5 @@ class SaturatedControl:
             mean = push(self._path.normal(place), mean, acceleration, step)
             place = self._path.advance(place, mean, step)
         # uniform motion with isotropic noise looks the same from every leg: one covariance for all runs
-        moved = predict(state.gaussian, *uniform(self._path, dt, self.acceleration_density))
+        moved = predict(state.gaussian, *uniform(self._path.axes, dt, self.acceleration_density))
         return Placed(moved._replace(mean=mean), place)
