@@ -166,7 +166,7 @@ def candidates(name):
     return [replace(CARTESIAN, residual_density=q) for q in (0.003, 0.03, 0.3)]
 
 
-RANGES = (100.0, 1e3, 1e4, 1e5)  # m2/s3
+RANGES = (100.0, 1e4, 1e5)  # m2/s3
 FILTERS = ("CA", "published", "intended", "corrected", "corrected + residual", "cartesian CA", "cartesian + input")
 
 
