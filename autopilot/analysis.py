@@ -19,6 +19,7 @@ from autopilot.route import PathDeviation
 from autopilot.saturation import rate_limit
 
 PREDICTION_STEP = 0.02  # s
+LOOP_DELAY = 0.1  # s: half of it actuators of 20 rad/s, which the linear model has not, half sample and hold at 30 Hz
 
 
 class Prediction(NamedTuple):
@@ -52,11 +53,12 @@ def outer_loop(law: LateralNavigation, point: OperatingPoint, reference_frequenc
     import control
 
     w = reference_frequency
-    reference = control.ss([[0.0, 1.0], [-w * w, -2.0 * w]], [[0.0], [w * w]], [[1.0, 0.0]], 0.0)
+    reference = control.ss([[0.0, 1.0], [-w * w, -2.0 * w]], [[0.0], [w * w]], np.eye(2), 0.0)
     A, B, C = bank_loop(point)
-    bank = control.ss(A, B.reshape(-1, 1), C.reshape(1, -1), 0.0)
+    bank = control.ss(A, B, C.reshape(1, -1), 0.0)
     lateral = control.ss([[0.0, 1.0], [0.0, 0.0]], [[0.0], [STANDARD_GRAVITY]], [[law.k1, law.k2]], 0.0)
-    return lateral * bank * reference
+    delay = control.tf2ss(*control.pade(LOOP_DELAY, 3))
+    return lateral * delay * bank * reference
 
 
 class Margins(NamedTuple):
@@ -70,10 +72,19 @@ class Margins(NamedTuple):
 
 def margins(law: LateralNavigation, point: OperatingPoint, reference_frequency: float) -> Margins:
     """Gain and phase margin of the route loop inside the limits of the law."""
-    import control
+    loop = outer_loop(law, point, reference_frequency)
+    frequency = np.geomspace(1e-3, 1e2, 4000)
+    response = loop(1j * frequency)
 
-    gain, phase, phase_crossover, gain_crossover = control.margin(outer_loop(law, point, reference_frequency))
-    return Margins(float(gain), math.radians(float(phase)), float(phase_crossover), float(gain_crossover))
+    def crossing(values: Any, of: Any) -> float:
+        at = int(np.nonzero((values[:-1] > 0.0) & (values[1:] <= 0.0))[0][0])
+        return float(brentq(lambda w: float(of(complex(loop(1j * w)))), frequency[at], frequency[at + 1]))
+
+    # the loop comes from -180 deg (a double integrator), leads, and falls through -180 deg again
+    turned = crossing(np.where(response.real < 0.0, -response.imag, 1.0), lambda value: -value.imag)
+    level = crossing(np.abs(response) - 1.0, lambda value: abs(value) - 1.0)
+    phase = math.pi + math.remainder(np.angle(complex(loop(1j * level))), math.tau)
+    return Margins(1.0 / abs(complex(loop(1j * turned))), math.remainder(phase, math.tau), turned, level)
 
 
 def saturation_describing_function(amplitude: float, limit: float) -> float:

@@ -194,7 +194,7 @@ def steady_sideslip(point: OperatingPoint) -> tuple[float, float, float]:
 
 
 def bank_loop(point: OperatingPoint) -> tuple[Any, Any, Any]:
-    """(A, B, C) from the bank reference to the bank, closed by the lateral gains."""
+    """(A, B, C) from the bank reference and its rate to the bank, closed by the lateral gains."""
     A, B = point.lateral
     K = lateral_gains(point)
     turn = STANDARD_GRAVITY / point.airspeed
@@ -204,13 +204,14 @@ def bank_loop(point: OperatingPoint) -> tuple[Any, Any, Any]:
     A5, B5 = np.zeros((5, 5)), np.zeros((5, 2))
     A5[:4, :4], B5[:4] = A, B
     A5[4, 3] = 1.0
-    reference = B5 @ K[:, 3] - np.eye(5)[4]
+    reference = np.column_stack([B5 @ K[:, 3] - np.eye(5)[4], B5 @ K[:, 1]])
     return A5 - B5 @ K @ onto, reference, np.array([0.0, 0.0, 0.0, 1.0, 0.0])
 
 
 def bank_bandwidth(point: OperatingPoint) -> float:
-    """Frequency, rad/s, at which the bank follows its reference with -3 dB."""
+    """Frequency, rad/s, at which the bank follows its reference with -3 dB, without help from the reference's rate."""
     A, B, C = bank_loop(point)
+    B = B[:, 0]
     frequency = np.geomspace(0.05, 50.0, 2000)
     response = np.array([abs(C @ np.linalg.solve(1j * w * np.eye(5) - A, B)) for w in frequency])
     below = np.nonzero(response < math.sqrt(0.5))[0]

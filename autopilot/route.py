@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 
@@ -26,6 +26,36 @@ class PathDeviation(NamedTuple):
     bearing_error: Real  # rad, bearing to the leg's end minus course: negative when right of the leg
     track_error: Real  # rad, ground track minus course
     heading_error: Real  # rad, heading minus course; equals track_error where no heading is known
+
+
+class ArrayDeviation:
+    """`PathDeviation` of many points; the angles are worked out when they are asked for, which few laws do."""
+
+    __slots__ = ("_along_rate", "_off_course", "cross_track", "cross_track_rate", "distance_to_go")
+
+    def __init__(self, cross_track: Any, cross_track_rate: Any, to_go: Any, along_rate: Any, off_course: Any) -> None:
+        self.cross_track = cross_track
+        self.cross_track_rate = cross_track_rate
+        self.distance_to_go = to_go
+        self._along_rate = along_rate
+        self._off_course = off_course
+
+    @property
+    def bearing_error(self) -> Any:
+        """rad, as in `PathDeviation`."""
+        return np.arctan2(-self.cross_track, self.distance_to_go)
+
+    @property
+    def track_error(self) -> Any:
+        """rad."""
+        return np.arctan2(self.cross_track_rate, self._along_rate)
+
+    @property
+    def heading_error(self) -> Any:
+        """rad; the track error where no heading is known."""
+        if self._off_course is None:
+            return self.track_error
+        return np.mod(self._off_course + np.pi, 2 * np.pi) - np.pi
 
 
 class Turn(NamedTuple):
@@ -78,6 +108,7 @@ class Route:
     wind: tuple[float, float] = (0.0, 0.0)  # m/s, the way the air moves, (north, east)
     time_to_roll: float = 2.8  # s, by which the turn lags behind its plan; see Designed.time_to_roll
     _lines: tuple[tuple[float, ...], ...] = field(init=False, repr=False, compare=False)  # end, direction, course
+    _table: Any = field(init=False, repr=False, compare=False)  # the same (5, legs)
 
     def __post_init__(self) -> None:
         if not self.legs:
@@ -91,8 +122,15 @@ class Route:
                 f"the wind of {math.hypot(*self.wind):.1f} m/s is not less than {slowest:.1f} m/s, the slowest leg"
             )
         object.__setattr__(self, "_lines", tuple((*leg.end, *leg.direction, leg.course) for leg in self.legs))
+        object.__setattr__(self, "_table", np.array(self._lines).T)
 
-    def deviation(self, leg: Any, position: Any, velocity: Any, heading: Any = None) -> PathDeviation:
+    @overload
+    def deviation(self, leg: int, position: Any, velocity: Any, heading: Any = None) -> PathDeviation: ...
+
+    @overload
+    def deviation(self, leg: Any, position: Any, velocity: Any, heading: Any = None) -> ArrayDeviation: ...
+
+    def deviation(self, leg: Any, position: Any, velocity: Any, heading: Any = None) -> PathDeviation | ArrayDeviation:
         """Deviation from ``leg`` (an int, or an int array with one leg per run).
 
         ``position`` and ``velocity`` start with their north and east components, floats or arrays of shape (*B).
@@ -116,18 +154,18 @@ class Route:
 
     def _deviations(
         self, leg: Any, north: Any, east: Any, rate_north: Any, rate_east: Any, heading: Any
-    ) -> PathDeviation:
+    ) -> ArrayDeviation:
         """The same for arrays."""
-        end_north, end_east, along_north, along_east, course = np.moveaxis(np.asarray(self._lines)[leg], -1, 0)
+        end_north, end_east, along_north, along_east, course = self._table[:, leg]
         north = north - end_north
         east = east - end_east
-        cross_track = east * along_north - north * along_east
-        distance_to_go = -north * along_north - east * along_east
-        cross_track_rate = rate_east * along_north - rate_north * along_east
-        track_error = np.arctan2(cross_track_rate, rate_north * along_north + rate_east * along_east)
-        heading_error = track_error if heading is None else np.mod(heading - course + np.pi, 2 * np.pi) - np.pi
-        bearing_error = np.arctan2(-cross_track, distance_to_go)
-        return PathDeviation(cross_track, cross_track_rate, distance_to_go, bearing_error, track_error, heading_error)
+        return ArrayDeviation(
+            east * along_north - north * along_east,
+            rate_east * along_north - rate_north * along_east,
+            -north * along_north - east * along_east,
+            rate_north * along_north + rate_east * along_east,
+            None if heading is None else heading - course,
+        )
 
     def turn(self, leg: int, airspeed: Any, bank_limit: Any) -> Turn:
         """Where the turn from ``leg`` to the next begins and ends.
@@ -179,13 +217,21 @@ class Route:
             return leg + 1 if to_go < self.turn(leg, max(airspeed, self._least_airspeed), bank_limit).entry else leg
         shape = np.broadcast_shapes(np.shape(leg), np.shape(north))
         leg = np.broadcast_to(leg, shape)
-        to_go = self._deviations(leg, north, east, velocity_north, velocity_east, None).distance_to_go
+        end_north, end_east, along_north, along_east, _ = self._table[:, leg]
+        to_go = (end_north - north) * along_north + (end_east - east) * along_east
         airspeed = np.hypot(np.subtract(velocity_north, self.wind[0]), np.subtract(velocity_east, self.wind[1]))
         airspeed = np.maximum(airspeed, self._least_airspeed)
-        following = leg.copy()
+        following = leg
         for number in range(len(self.legs) - 1):
+            here = leg == number
+            if not here.any():
+                continue
+            fastest = float(airspeed.max(where=here, initial=self._least_airspeed))
+            # nobody can be near a turn whose entry, doubled for what the wind may do to it, is not yet reached
+            if float(to_go.min(where=here, initial=math.inf)) > 2.0 * self.turn(number, fastest, bank_limit).entry:
+                continue
             due = to_go < self.turn(number, airspeed, bank_limit).entry
-            following = np.where((leg == number) & due, number + 1, following)
+            following = np.where(here & due, number + 1, following)
         return following
 
     @property

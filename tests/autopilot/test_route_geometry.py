@@ -46,7 +46,7 @@ def test_arrays_agree_with_floats(course_deg):
             float(heading[i]),
         )
         # one rounding of numbers of 1e4 m
-        np.testing.assert_allclose([column[i] for column in batch], single, atol=1e-9)
+        np.testing.assert_allclose([getattr(batch, name)[i] for name in single._fields], single, atol=1e-9)
 
 
 @pytest.mark.parametrize("turn_deg", [5.0, -30.0, 90.0, -90.0, 150.0])

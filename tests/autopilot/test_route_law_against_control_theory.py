@@ -48,7 +48,7 @@ def test_longitudinal_gains_are_those_of_python_control(point):
 
 def test_bank_loop_follows_without_error_and_with_its_bandwidth(point):
     A, B, C = design.bank_loop(point)
-    loop = control.ss(A, B.reshape(-1, 1), C.reshape(1, -1), 0.0)
+    loop = control.ss(A, B[:, :1], C.reshape(1, -1), 0.0)
     assert float(control.dcgain(loop)) == pytest.approx(1.0, abs=1e-9)
     assert max(loop.poles().real) < 0.0
     # the grid of the search steps by 0.35 %
@@ -158,6 +158,15 @@ def test_margins_shrink_with_a_faster_law_until_the_bank_limit_sustains_a_cycle(
     response = complex(analysis.outer_loop(wild, point, frequency)(1j * 2.0 * math.pi / cycle.period))
     assert response.imag == pytest.approx(0.0, abs=1e-6)
     assert response.real < -1.0
+
+
+@pytest.mark.parametrize("natural", [0.15, 0.4, 1.5])
+def test_margins_are_those_of_python_control(point, natural):
+    frequency = design.REFERENCE_SHARE * design.bank_bandwidth(point)
+    law = LateralNavigation(natural**2 / G, 1.8 * natural / G, math.radians(15.0), 1e9, 1e9)
+    gain, phase, turned, level = control.margin(analysis.outer_loop(law, point, frequency))
+    ours = analysis.margins(law, point, frequency)
+    assert ours == pytest.approx((gain, math.radians(phase), turned, level), rel=1e-6)
 
 
 def test_phase_portrait_curves_are_where_the_law_says():
