@@ -1,0 +1,14 @@
+"""What to fly, and how to hold it: from a route to the controls.
+
+A route gives the deviation from a leg, a law turns it into a bank command, the approach orders heights, speeds, flaps
+and gear by phases, and the inner loops turn the commands into controls. ``begin`` gives a state and ``step`` passes it
+on; nothing is remembered elsewhere, so the same text of a law also serves trackers that predict the aircraft.
+
+- ``route``: legs, deviations, wind-aware turns; ``saturation``: the limiting functions of the laws
+- ``modes``: one file per law, a pure function of the deviation with its own limits
+- ``approach``, ``landing``, ``stabilised_gate``: the phases from downwind to the ground, or around again
+- ``inner_loops``: Command -> Controls with the gains of ``design``, which come from the linear model of the aircraft
+- ``analysis``: poles, margins, limit cycles and predictions of the route law, its phase portrait
+
+Knows the airframe only by what passes between them, ``aircraft.state`` and ``aircraft.units``.
+"""

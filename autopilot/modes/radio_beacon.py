@@ -16,7 +16,7 @@ class RadioBeacon:
 
     ``eps`` is the bearing to the beacon minus the course, so it is negative right of the leg and the law restores.
     ``dpsi`` is the error of the heading, or of the ground track: in a crosswind the heading form settles off the leg,
-    where ``k3 eps`` balances ``k4`` times the drift, and flies the homing curve. Inside ``cone_radius`` of the station
+    where ``k3 eps = k4 (eps + drift)``, and flies the homing curve. Inside ``cone_radius`` of the station
     the bearing means nothing and only the course is held.
 
     Erratum: printed without the sign of eps, used eps = -atan2(z, D), because k3 > 0 drives the aircraft away from
