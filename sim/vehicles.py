@@ -88,11 +88,7 @@ class JsbsimVehicle:
             initial.flaps,
             initial.gear,
         )
-        moving = (0.0, 0.0, 0.0)
-        if wind is not None:
-            moving = wind.velocity(0.0, (initial.north, initial.east, initial.height), initial.airspeed)
-        across = moving[1] * math.cos(initial.course) - moving[0] * math.sin(initial.course)
-        heading = initial.course - math.asin(max(-1.0, min(across / initial.airspeed, 1.0)))
+        moving, heading = _into_the_wind(initial, wind)
         state = airframe.begin(steady.at(initial.north, initial.east, initial.height, heading), moving)
         inner_loops = InnerLoops(self.designed)
         return JsbsimBody(airframe, inner_loops, inner_loops.begin(state), state, wind)
@@ -108,6 +104,15 @@ class JsbsimVehicle:
     def read(self, state: JsbsimBody) -> AircraftState:
         """What was read at the end of the last step."""
         return state.state
+
+
+def _into_the_wind(initial: Initial, wind: Wind | None) -> tuple[tuple[float, float, float], float]:
+    """Wind at the start, m/s (north, east, up), and the heading, rad, that keeps the course in it."""
+    if wind is None:
+        return (0.0, 0.0, 0.0), initial.course
+    moving = wind.velocity(0.0, (initial.north, initial.east, initial.height), initial.airspeed)
+    across = moving[1] * math.cos(initial.course) - moving[0] * math.sin(initial.course)
+    return moving, initial.course - math.asin(max(-1.0, min(across / initial.airspeed, 1.0)))
 
 
 class Configuration(NamedTuple):
@@ -163,11 +168,7 @@ class PointMassVehicle:
 
     def begin(self, initial: Initial, wind: Wind | None) -> tuple[PointMassState, Wind | None]:
         """On its course in the wind that blows at the start."""
-        moving = (0.0, 0.0, 0.0)
-        if wind is not None:
-            moving = wind.velocity(0.0, (initial.north, initial.east, initial.height), initial.airspeed)
-        across = moving[1] * math.cos(initial.course) - moving[0] * math.sin(initial.course)
-        heading = initial.course - math.asin(max(-1.0, min(across / initial.airspeed, 1.0)))
+        moving, heading = _into_the_wind(initial, wind)
         state = self.body.begin(
             initial.north,
             initial.east,
