@@ -121,6 +121,53 @@ def test_steps_between_scans_change_little(tracker, truths):
     np.testing.assert_allclose(fine[0::2], coarse[0::2], rtol=0, atol=tolerance)
 
 
+def moved_by(matrix, shift):
+    """State, route and covariance under a map (north, east) -> matrix (north, east) + shift."""
+    big = np.kron(matrix, np.eye(2))
+
+    def of_state(x):
+        moved = np.einsum("ij,j...->i...", big, x)
+        moved[0::2] += np.reshape(shift, (2, *(1,) * (x.ndim - 1)))
+        return moved
+
+    def of_route(route):
+        legs = tuple(
+            replace(leg, start=tuple(matrix @ leg.start + shift), end=tuple(matrix @ leg.end + shift))
+            for leg in route.legs
+        )
+        return replace(route, legs=legs)
+
+    return of_state, of_route, big
+
+
+@pytest.mark.parametrize("name", ["LinearFeedback", "SaturatedControl", "LawEkf", "IntentImm", "known", "jacobian"])
+@pytest.mark.parametrize("mirror", [False, True], ids=["turned", "mirrored"])
+def test_the_map_does_not_matter(name, mirror, truths):
+    """Turned by 37 deg and moved, or mirrored, data and route give the turned or mirrored estimate.
+
+    1e-6 m on coordinates of 1e4 m: the numerical slope of the law carries 1e-9 of rounding.
+    """
+    angle = math.radians(37.0)
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    matrix, shift = (np.diag([1.0, -1.0]), np.zeros(2)) if mirror else (turn, np.array([3000.0, -8000.0]))
+    of_state, of_route, big = moved_by(matrix, shift)
+    tracker = on_route(PATTERN_LAW).get(f"{name} on a route") or RouteControl(
+        PATTERN_LAW, BASE_TO_FINAL, PLANE, "known_control" if name == "known" else "jacobian"
+    )
+    start, measured = observed(tracker, truths)
+    here = track(tracker, measured, start, start=0.0)
+    z = np.einsum("ij,kj...->ki...", matrix, measured.z) + shift[:, None]
+    there = track(
+        replace(tracker, route=of_route(BASE_TO_FINAL)),
+        replace(measured, z=z),
+        Gaussian(of_state(start.mean), start.cov),  # the same along both axes
+        start=0.0,
+    )
+    expected = np.stack([of_state(mean) for mean in here.mean])
+    np.testing.assert_allclose(there.mean, expected, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(there.cov, np.einsum("ij,kjl...,ml->kim...", big, here.cov, big), rtol=0, atol=1e-4)
+
+
 def merged(estimate):
     return merge(estimate) if isinstance(estimate, Mixture) else estimate
 
