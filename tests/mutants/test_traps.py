@@ -9,40 +9,14 @@ import pytest
 from scipy.integrate import quad
 
 from aircraft.state import STANDARD_GRAVITY, AircraftState
-from autopilot.modes.lateral_navigation import LateralNavigation
-from autopilot.route import PathDeviation
 from sim.sensors.downlink import Downlink
+from sim.tables import WindTable
 from sim.truths.base_turn import BaseTurn
 from sim.truths.beacon_homing import BeaconHoming
 from tracking.gaussian import Gaussian
 from tracking.measurement import ConvertedPolar
 from tracking.motion import constant_velocity
 from tracking.trackers.load_factor import DOWNLINK, LoadFactor, horizontal_acceleration
-
-LAW = LateralNavigation(math.radians(0.02), math.radians(0.5), math.radians(20.0), 1250.0, 60.0)
-
-
-def bank(cross_track: float, rate: float) -> float:
-    """Degrees that the route law commands."""
-    return math.degrees(LAW(PathDeviation(cross_track, rate, math.inf, 0.0, 0.0, 0.0)))
-
-
-def test_each_limit_of_the_route_law_acts():
-    """By hand with .02 deg/m, .5 deg/(m/s), 20 deg, 1250 m, 60 m/s: 25 deg and 30 deg are what the limits leave."""
-    assert bank(500.0, 10.0) == pytest.approx(-15.0)
-    assert bank(5000.0, -20.0) == pytest.approx(-25.0 + 10.0)
-    assert bank(1000.0, -80.0) == pytest.approx(-20.0 + 30.0)
-    assert bank(5000.0, 0.0) == pytest.approx(-20.0)
-    assert bank(-5000.0, 0.0) == pytest.approx(20.0)
-
-
-def test_a_law_that_orbits_in_its_wind_is_refused():
-    """z_max 2500 m asks for 50 deg; zdot_max 120 m/s would take back 60 deg, but 72 m/s of ground speed only 36 deg."""
-    law = LateralNavigation(LAW.k1, LAW.k2, LAW.bank_limit, 2500.0, 120.0)
-    law.check_convergence(101.0)
-    with pytest.raises(ValueError, match="orbit"):
-        law.check_convergence(72.0)
-    law.check_convergence(72.0, offset=1500.0)  # never that far out: 30 deg
 
 
 def test_constant_velocity_noise_is_the_integral_of_white_acceleration():
@@ -121,7 +95,7 @@ def test_the_azimuth_is_driven_by_the_acceleration_of_now():
 
 
 def test_downlinked_load_factors_and_angles_give_the_acceleration_in_wind():
-    """In 14 m/s across: dv/dt over the ground to 0.001 m/s2 rms; with ground-track angles a drift of 8 deg spoils it."""
+    """In 14 m/s across: dv/dt over the ground to 0.001 m/s2 rms; ground-track angles, 8 deg of drift off, spoil it."""
     state = BeaconHoming(wind=(0.0, 14.0)).fly(0.1).state
     flown = np.gradient(np.array([state.velocity_north, state.velocity_east]), 0.1, axis=1)
 
@@ -132,3 +106,11 @@ def test_downlinked_load_factors_and_angles_give_the_acceleration_in_wind():
 
     assert error("air") < 0.001
     assert error("ground") > 0.02
+
+
+def test_wind_comes_from_where_its_direction_says():
+    """From the west it blows to the east; from the north to the south."""
+    north, east = WindTable(from_=math.radians(270.0), speed=10.0).steady
+    assert (north, east) == pytest.approx((0.0, 10.0), abs=1e-12)
+    north, east = WindTable(from_=0.0, speed=10.0).steady
+    assert (north, east) == pytest.approx((-10.0, 0.0), abs=1e-12)

@@ -13,7 +13,10 @@ from aircraft.units import SUFFIXES
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
 from sim import catalogue
+from sim.observation import observe
 from sim.parameters import model_of
+from sim.sensors.surveillance_radar import SurveillanceRadar
+from sim.tables import Runway
 from sim.truths.base_turn import BaseTurn
 from sim.truths.beacon_homing import BeaconHoming
 from sim.truths.landing_pattern import LandingPattern
@@ -79,6 +82,18 @@ def test_records_are_whole(flights, kind):
     assert flight.leg.shape == flight.phase.shape == (rows,)
     assert set(np.unique(flight.phase)) <= set(range(len(flight.phases)))
     assert np.abs(flight.deviation.cross_track).max() < 20000.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_sensors_watch_a_truth_like_any_flight(flights, kind):
+    """A radar without noise to speak of sees the positions of the record, at its own epochs."""
+    radar = SurveillanceRadar(period=3.7, position_sigma=1e-6, runway=Runway())
+    record = observe(flights[kind], {"radar": radar}, seed=1)["radar"]
+    state = flights[kind].state
+    north = np.interp(record.time, state.time, state.north)
+    assert len(record.time) == int((state.time[-1] + 1e-9) / 3.7)
+    # linear against cubic between records: a h^2 / 8 = 0.02 m at 17 m/s2 of the hardest turn
+    assert record.z[:, 0, 0] == pytest.approx(north, abs=0.03)
 
 
 @pytest.mark.parametrize("kind", KINDS)
