@@ -61,6 +61,7 @@ class Approach:
     level_acceleration: Annotated[float, "m/s2"] = 0.5
     level_change_angle: Annotated[float, "rad"] = math.radians(2.5)
     allow_orbit: bool = False
+    offset: Annotated[float, "given"] = math.inf  # m, the largest distance from which a leg is approached
     _reach: tuple[float, ...] = field(
         init=False, repr=False, compare=False
     )  # m to go, where turns are first thought of
@@ -76,7 +77,7 @@ class Approach:
         route.check_turns(law.bank_limit)
         if hasattr(law, "check_convergence") and not self.allow_orbit:
             ground_speed = min(leg.speed for leg in route.legs) - math.hypot(*route.wind)
-            law.check_convergence(ground_speed, turns=len(route.legs) > 1)
+            law.check_convergence(ground_speed, self.offset, turns=len(route.legs) > 1)
         reach, slow = [], []
         for number, (leg, following) in enumerate(pairwise(route.legs)):
             reach.append(1.3 * route.turn(number, 1.1 * max(leg.speed, following.speed), law.bank_limit).entry + 500.0)

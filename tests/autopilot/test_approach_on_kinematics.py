@@ -6,7 +6,7 @@ import math
 import pytest
 
 from aircraft.state import AircraftState
-from autopilot.approach import PHASES, Approach
+from autopilot.approach import PHASES, Approach, navigated
 from autopilot.landing import Landing
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, Route, pattern_route
@@ -192,6 +192,26 @@ def test_laws_that_orbit_are_refused_unless_allowed():
     with pytest.raises(ValueError, match="cannot fly the turns"):
         Approach(pattern(), LateralNavigation(0.00253, 0.0289, math.radians(15.0), 412.0, 40.0))
     Approach(Route((pattern().legs[2],)), LateralNavigation(0.00253, 0.0289, math.radians(15.0), 412.0, 40.0))
+
+
+def test_a_law_without_position_limit_is_refused_only_from_afar():
+    law = LateralNavigation(0.00253, 0.0289, math.radians(15.0), math.inf, 1e3)
+    line = Route((pattern().legs[2],))
+    with pytest.raises(ValueError, match="would orbit"):
+        Approach(line, law, offset=3000.0)
+    Approach(line, law, offset=500.0)
+
+
+def test_aircraft_flown_on_an_estimate_settles_where_the_estimate_says_zero():
+    route = Route((Leg((0.0, 0.0), (9000.0, 0.0), 70.0, 400.0),))
+    approach, x = Approach(route, LAW), start(0.0, 0.0, 400.0, 0.0, 70.0, (0.0, 0.0))
+    s = approach.begin(read(x, (0.0, 0.0)))
+    while not s.finished:
+        state = read(x, (0.0, 0.0))
+        believed = navigated(state, state.north, state.east + 50.0, state.velocity_north, state.velocity_east)
+        s, command = approach.step(s, believed, DT)
+        x = move(x, command, (0.0, 0.0))
+    assert x[2] == pytest.approx(-50.0, abs=0.5)
 
 
 def test_orbit_of_the_refused_law_is_real():
