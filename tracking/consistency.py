@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import special  # type: ignore[import-untyped]
+from scipy import special
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, _cholesky, _forward, merge
 
@@ -56,6 +56,26 @@ def normalised_error(estimate: Gaussian | Mixture, truth: Array, components: tup
         error, cov = error[list(components)], cov[np.ix_(components, components)]
     white = _forward(_cholesky(cov), error)
     return np.einsum("i...,i...->...", white, white)
+
+
+def lost(nees: Array, degrees: int) -> Array:
+    """Whether each run (*B) was lost: non-finite, or outside its 1 - 1e-6 ellipse for ten epochs in a row.
+
+    Parameters
+    ----------
+    nees : (k, *B), of the position.
+    degrees : components of the position.
+    """
+    outside, ever = np.zeros(np.shape(nees)[1:], dtype=int), ~np.isfinite(nees).all(axis=0)
+    for epoch in nees:
+        outside = _outside(outside, epoch, degrees)
+        ever |= outside >= LOST_EPOCHS
+    return ever
+
+
+def _outside(before: Array, nees: Array, degrees: int) -> Array:
+    """Epochs in a row outside the ellipse, up to now."""
+    return np.where(nees <= _lost_square(degrees), 0, before + 1)
 
 
 # ------------------------------------------------------------------------------------------ intervals over runs
@@ -275,7 +295,7 @@ class Consistency:
             finite = np.isfinite(error).all(axis=0) & np.isfinite(nees)
             sums_of_epoch, log_ratio = self._epoch(error, cov, nees, nees_position, finite)
         runs = sums.runs if sums.runs is not None else _no_runs(*error.shape)
-        outside = np.where(finite & (nees_position <= _lost_square(len(self.position))), 0, runs.outside + 1)
+        outside = _outside(runs.outside, np.where(finite, nees_position, np.nan), len(self.position))
         runs = runs._replace(
             squares=runs.squares + error**2,
             nees=runs.nees + nees,

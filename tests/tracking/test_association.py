@@ -11,6 +11,8 @@ from tracking.association import ProbabilisticDataAssociation, blend, clutter_de
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.measurement import LinearMeasurement
 from tracking.motion import ConstantVelocity, planar_constant_velocity
+from tracking.trackers.gated import Gated
+from tracking.trackers.huber import Huber
 from tracking.trackers.imm import InteractingMultipleModel, published_set
 from tracking.trackers.kalman import Kalman
 
@@ -132,6 +134,27 @@ def test_order_and_padding_do_not_matter_and_runs_are_independent(tracker):
     for run in range(4):
         alone = merge_of(associated, associated.step(begun, 1.0, z[..., run : run + 1], R)[0])
         np.testing.assert_allclose(alone.mean[:, 0], reference.mean[:, run], rtol=1e-12)
+
+
+TRACKERS = {
+    "kalman": KALMAN,
+    "imm": IMM,
+    "gated": Gated(POSITION, ConstantVelocity(0.3)),
+    "huber": Huber(POSITION, ConstantVelocity(0.3)),
+}
+
+
+@pytest.mark.parametrize("tracker", TRACKERS.values(), ids=TRACKERS)
+def test_a_step_of_no_time_is_a_mere_update(tracker):
+    """What the association relies on: predict and update in one step, or in two."""
+    z = candidates(4, 1, seed=7)[0]
+    begun = tracker.begin(PRIOR)
+    at_once, one = tracker.step(begun, 1.0, z, R)
+    predicted, _ = tracker.step(begun, 1.0, None, None)
+    in_two, two = tracker.step(predicted, 0.0, z, R)
+    for mine, theirs in zip(at_once, in_two, strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(one.log_likelihood, two.log_likelihood, rtol=1e-12)
 
 
 def merge_of(tracker, state) -> Gaussian:
