@@ -76,7 +76,7 @@ def from_filterpy(
     TypeError : the class cannot be batched.
     ValueError : the object uses what another filter would need.
     """
-    from filterpy.kalman import IMMEstimator, KalmanFilter  # type: ignore[import-untyped]
+    from filterpy.kalman import IMMEstimator, KalmanFilter
 
     if isinstance(source, IMMEstimator):
         filters = list(source.filters)
@@ -102,7 +102,7 @@ def prior_of(source: Any) -> Gaussian:
 @lru_cache(maxsize=256)
 def constant_velocity(dt: float, acceleration_density: float) -> Kalman:
     """filterpy's own design of a planar constant-velocity filter for one period."""
-    from filterpy.common import Q_continuous_white_noise  # type: ignore[import-untyped]
+    from filterpy.common import Q_continuous_white_noise
     from filterpy.kalman import KalmanFilter
 
     design = KalmanFilter(dim_x=4, dim_z=2)

@@ -13,7 +13,7 @@ from functools import lru_cache
 from typing import Annotated, Any, NamedTuple, Protocol
 
 import numpy as np
-from scipy.linalg import expm  # type: ignore[import-untyped]
+from scipy.linalg import expm
 
 Array = Any
 

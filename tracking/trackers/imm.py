@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import fractional_matrix_power  # type: ignore[import-untyped]
+from scipy.linalg import fractional_matrix_power
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
 from tracking.measurement import MeasurementModel
