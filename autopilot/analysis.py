@@ -32,7 +32,11 @@ class Prediction(NamedTuple):
 
 
 def closed_loop(law: LateralNavigation) -> Any:
-    """F of the law inside its limits on the double integrator [Vasylyev 2003, eq. (7)]."""
+    """F of the law inside its limits on the double integrator [Vasylyev 2003, eq. (7)].
+
+    Erratum: printed with the control added as an input, used without it, because the feedback is already folded into F
+    and would count twice.
+    """
     return np.array([[0.0, 1.0], [-STANDARD_GRAVITY * law.k1, -STANDARD_GRAVITY * law.k2]])
 
 
