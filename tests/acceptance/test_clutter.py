@@ -20,6 +20,7 @@ from tracking.association import ProbabilisticDataAssociation, blend, clutter_de
 from tracking.consistency import Consistency, Interval, Summary, proportion
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.measurement import LinearMeasurement
+from tracking.monitor import Monitored, NisMonitor
 from tracking.motion import ConstantVelocity
 from tracking.trackers.elevation import Elevation
 from tracking.trackers.gated import Gated
@@ -170,6 +171,27 @@ def test_base_turn_and_final_in_the_plane(row):
         nearest = NearestPlot(ProbabilisticDataAssociation(trackers[name], density, DETECTION))
         alone = trackers[name]
         judged(row, f"{name}, nearest plot", nearest, alone, truth, (0, 2), candidates, own, R, PERIOD, prior, 500.0)
+
+
+def test_a_monitor_restarts_what_a_gate_has_lost(row):
+    """The same flights without false alarms: the gate loses the turn, the monitor notices and restarts."""
+    generator = np.random.default_rng(2003)
+    truth = turning_final(generator)
+    _, own = seen(truth, [0, 2], SIGMA, generator)
+    R = SIGMA**2 * np.eye(2)[..., None]
+    spread = np.array([100.0, 5.0, 100.0, 5.0])
+    mean = np.array([-13800.0, 0.0, -7000.0, SPEED])[:, None] + spread[:, None] * generator.standard_normal((4, RUNS))
+    given = truth, (0, 2), own, R, PERIOD, Gaussian(mean, np.diag(spread**2)[..., None]), 500.0
+    gated = Gated(PLOTS, ConstantVelocity(3.0))
+    wide = np.diag([1000.0, 70.0, 1000.0, 70.0]) ** 2
+    for name, tracker in {
+        "gated constant velocity": gated,
+        "the same, monitored (window 4, rate 1e-4)": Monitored(gated, wide, NisMonitor(4, 1e-4)),
+    }.items():
+        summary, off = followed(tracker, *given)
+        told = f"{summary.lost.value:.3f} ({summary.lost.low:.3f} to {summary.lost.high:.3f})"
+        told += f"; ends off target {off.value:.3f}; RMSE {summary.rmse_position.value:.0f} m"
+        row(f"{name}, no false alarms: lost", "reported", told, True)
 
 
 def test_elevation_channel(row):
