@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -53,6 +54,29 @@ def choose(condition: Any, this: Any, that: Any) -> Any:
 
 
 STILL = Air((0.0, 0.0, 0.0), (0.0, 0.0))
+
+
+def wandering_air(
+    generator: np.random.Generator, sigma: float, period: float, step: float, longest: float, shape: tuple[int, ...]
+) -> Callable[[int], Air]:
+    """Air whose horizontal acceleration is drawn afresh every ``period`` and whose velocity is continuous.
+
+    It carries the aircraft along: what it adds to the motion is felt in the load factors, not in the airspeed.
+    """
+    periods = math.ceil(longest / period) + 2
+    drawn = sigma * generator.standard_normal((periods, 2, *shape))
+    reached = period * np.concatenate([np.zeros((1, 2, *shape)), np.cumsum(drawn, axis=0)])
+
+    def at(row: int) -> Air:
+        index = int(row * step / period + 1e-9)
+        since = row * step - index * period
+        north, east = reached[index] + since * drawn[index]
+        pushed_north, pushed_east = drawn[index]
+        if not shape:
+            north, east, pushed_north, pushed_east = map(float, (north, east, pushed_north, pushed_east))
+        return Air((north, east, 0.0), (pushed_north, pushed_east))
+
+    return at
 
 
 def fly_closed(

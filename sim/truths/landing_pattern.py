@@ -14,7 +14,7 @@ from autopilot.approach import Landing
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, PathDeviation, Route
 from sim.flight import RECORD_STEP, Flight
-from sim.truths._closed_loop import Air, Closed, Plan, choose, fly_closed
+from sim.truths._closed_loop import Closed, Plan, choose, fly_closed, wandering_air
 
 PHASES = ("base", "final_turn", "final", "glide", "ground")
 BASE, FINAL_TURN, FINAL, GLIDE, GROUND = range(len(PHASES))
@@ -143,22 +143,7 @@ class LandingPattern:
         longest = 2.0 * (self.entry + self.distance) / self.approach_speed
         loop = Closed(mass, route, law, self.bank_limit, plan, PHASES, longest)
         shape = () if runs is None else (runs,)
-        air = None if generator is None else self._air(generator, shape, step, longest)
+        air = None
+        if generator is not None:
+            air = wandering_air(generator, self.acceleration_sigma, self.acceleration_period, step, longest, shape)
         return fly_closed(loop, body, legs, step, air, "touchdown of every run")
-
-    def _air(self, generator: np.random.Generator, shape: tuple[int, ...], step: float, longest: float) -> Any:
-        """The air that wanders: its acceleration is constant over a period, its velocity continuous."""
-        periods = math.ceil(longest / self.acceleration_period) + 2
-        drawn = self.acceleration_sigma * generator.standard_normal((periods, 2, *shape))
-        reached = self.acceleration_period * np.concatenate([np.zeros((1, 2, *shape)), np.cumsum(drawn, axis=0)])
-
-        def at(row: int) -> Air:
-            period = int(row * step / self.acceleration_period + 1e-9)
-            since = row * step - period * self.acceleration_period
-            north, east = reached[period] + since * drawn[period]
-            pushed_north, pushed_east = drawn[period]
-            if not shape:
-                north, east, pushed_north, pushed_east = map(float, (north, east, pushed_north, pushed_east))
-            return Air((north, east, 0.0), (pushed_north, pushed_east))
-
-        return at

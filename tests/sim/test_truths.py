@@ -209,6 +209,24 @@ def test_limited_capture_settles_at_the_intercept_speed():
     assert flight.state.east.min() == pytest.approx(-65.5, rel=0.01)
 
 
+@pytest.mark.parametrize("motion", ["double_integrator", "course"])
+def test_random_acceleration_across_the_line_is_white(motion):
+    """Without a law: variance q t of the rate and q t^3 / 3 of the deviation, q = 0.1, 400 runs (7 % per sigma)."""
+    truth = RouteCapture(
+        motion=motion, law=lambda deviation: 0.0 * deviation.cross_track, cross_track=0.0, duration=30.0
+    )
+    state = truth.fly(np.random.default_rng(3), 400, step=0.2).state
+    assert state.velocity_east[-1].var() == pytest.approx(0.1 * 30.0, rel=0.25)
+    assert state.east[-1].var() == pytest.approx(0.1 * 30.0**3 / 3.0, rel=0.25)
+    felt = acceleration_felt(state)[1]
+    assert felt[1:].var() == pytest.approx(0.1 / (0.1 if motion == "double_integrator" else 0.2), rel=0.1)
+
+
+def test_an_aircraft_with_an_offset_flies_beside_the_line():
+    state = RouteCapture(cross_track=2000.0, offset=2000.0, duration=60.0).fly(step=0.1).state
+    assert state.east == pytest.approx(2000.0)
+
+
 def test_course_motion_stays_within_three_per_cent_of_the_double_integrator():
     """Of the start offset; roll lag, tan and V sin(chi) are what differs."""
     starts = np.array([500.0, 5000.0])
@@ -313,6 +331,7 @@ def test_madap_flights_turn_by_175_degrees_after_twenty_nautical_miles():
         (BaseTurn, {"final": 0.0}, "final"),
         (RouteCapture, {"motion": "glider"}, "double_integrator"),
         (RouteCapture, {"cross_track_rate": 120.0}, "below its speed"),
+        (RouteCapture, {"acceleration_density": -0.1}, "acceleration_density"),
         (BeaconHoming, {"wind": (0.0, 120.0)}, "exceed the wind"),
         (BeaconHoming, {"nearest": 50000.0}, "farther"),
         (Madap, {"straight": 0.0}, "straight"),
