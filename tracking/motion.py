@@ -84,12 +84,28 @@ def planar_constant_velocity(dt: float, density_north: float, density_east: floa
     return F, Q
 
 
-# Coefficients in powers of t^2 of (2t - sin 2t)/4t^3, (6t - 8 sin t + sin 2t)/4t^3 and (2t + sin 2t - 4 sin t)/4t^3,
-# which cancel up to the fifth order. Nine terms reach rounding for |t| < 0.5.
+# Coefficients in powers of t^2 of (2t - sin 2t)/4t^3, (6t - 8 sin t + sin 2t)/4t^3, (2t + sin 2t - 4 sin t)/4t^3 and
+# (t - sin t)/t^3, which cancel up to the fifth order. Nine terms reach rounding for |t| < 0.5.
 _TERMS = range(1, 10)
 _A = np.array([(-1) ** (k + 1) * 2.0 ** (2 * k - 1) / math.factorial(2 * k + 1) for k in _TERMS])
 _B = np.array([(-1) ** k * (2.0 ** (2 * k - 1) - 2.0) / math.factorial(2 * k + 1) for k in _TERMS])
 _E = np.array([(-1) ** k * (2.0 ** (2 * k - 1) - 1.0) / math.factorial(2 * k + 1) for k in _TERMS])
+_M = np.array([(-1) ** (k + 1) / math.factorial(2 * k + 1) for k in _TERMS])
+_polynomial = np.polynomial.polynomial.polyval
+
+
+def turn_transition(dt: float, turn_rate: Array) -> Array:
+    """F (4, 4, *B) of a level turn at a known rate (rad/s, + right), any B [Volovyk 2022, eq. (5)]."""
+    t = np.asarray(turn_rate, dtype=float) * dt
+    F = np.zeros((4, 4, *t.shape))
+    F[0, 0] = F[2, 2] = 1.0
+    F[1, 1] = F[3, 3] = np.cos(t)
+    F[3, 1] = np.sin(t)
+    F[1, 3] = -F[3, 1]
+    F[0, 1] = F[2, 3] = dt * np.sinc(t / math.pi)  # sin t / t
+    F[2, 1] = dt * 0.5 * t * np.sinc(t / (2.0 * math.pi)) ** 2  # (1 - cos t) / t
+    F[0, 3] = -F[2, 1]
+    return F
 
 
 def coordinated_turn(dt: float, turn_rate: Array, density_north: float, density_east: float) -> tuple[Array, Array]:
@@ -102,28 +118,39 @@ def coordinated_turn(dt: float, turn_rate: Array, density_north: float, density_
     north one, (1,3) and (2,4) are zero), used the integral of Phi G diag(X, Y) G' Phi', because a covariance is
     symmetric and the turn couples the axes.
     """
+    F = turn_transition(dt, turn_rate)
     t = np.asarray(turn_rate, dtype=float) * dt
-    s, c = np.sin(t), np.cos(t)
+    noise = _even_turn_noise if density_north == density_east else _turn_noise
+    return F, noise(
+        dt, t, F[0, 1] / dt if dt > 0.0 else 1.0, F[2, 1] / dt if dt > 0.0 else t, density_north, density_east
+    )
+
+
+def _even_turn_noise(dt: float, t: Array, sinc: Array, rise: Array, density: float, _: float) -> Array:
+    """Q of a turn with the same density on both axes: the printed form, which is right there."""
+    small = np.abs(t) < 0.5
+    safe = np.where(small, 1.0, t)
+    m = np.where(small, _polynomial(t * t, _M), (safe - np.sin(safe)) / safe**3)
+    Q = np.zeros((4, 4, *np.shape(t)))
+    Q[0, 0] = Q[2, 2] = 2.0 * density * dt**3 * m
+    Q[0, 1] = Q[1, 0] = Q[2, 3] = Q[3, 2] = 0.5 * density * dt**2 * (sinc * sinc + rise * rise)
+    Q[0, 3] = Q[3, 0] = density * dt**2 * t * m
+    Q[1, 2] = Q[2, 1] = -Q[0, 3]
+    Q[1, 1] = Q[3, 3] = density * dt
+    return Q
+
+
+def _turn_noise(dt: float, t: Array, sinc: Array, rise: Array, X: float, Y: float) -> Array:
+    """Q of a turn with a density X along the north axis and Y along the east axis."""
     s2, square = np.sin(2.0 * t), t * t
     small = np.abs(t) < 0.5
     safe = np.where(small, 1.0, t)
     cube = 4.0 * safe**3
-    sinc = np.where(small, np.sinc(t / math.pi), s / safe)  # sin t / t
+    s = np.sin(t)
     half = np.sinc(t / (2.0 * math.pi))  # sin(t/2) / (t/2)
-    a = np.where(small, np.polynomial.polynomial.polyval(square, _A), (2.0 * t - s2) / cube)
-    b = np.where(small, np.polynomial.polynomial.polyval(square, _B), (6.0 * t - 8.0 * s + s2) / cube)
-    e = np.where(small, np.polynomial.polynomial.polyval(square, _E), (2.0 * t + s2 - 4.0 * s) / cube)
-    rise = 0.5 * t * half**2  # (1 - cos t) / t
-    zero, one = np.zeros_like(t), np.ones_like(t)
-    F = np.array(
-        [
-            [one, dt * sinc, zero, -dt * rise],
-            [zero, c, zero, -s],
-            [zero, dt * rise, one, dt * sinc],
-            [zero, s, zero, c],
-        ]
-    )
-    X, Y = density_north, density_east
+    a = np.where(small, _polynomial(square, _A), (2.0 * t - s2) / cube)
+    b = np.where(small, _polynomial(square, _B), (6.0 * t - 8.0 * s + s2) / cube)
+    e = np.where(small, _polynomial(square, _E), (2.0 * t + s2 - 4.0 * s) / cube)
     rates = 0.5 + 0.5 * np.sinc(2.0 * t / math.pi)  # (2t + sin 2t) / 4t
     q11, q33 = dt**3 * (X * a + Y * b), dt**3 * (X * b + Y * a)
     q12, q34 = 0.5 * dt**2 * (X * sinc**2 + Y * rise**2), 0.5 * dt**2 * (X * rise**2 + Y * sinc**2)
@@ -131,8 +158,7 @@ def coordinated_turn(dt: float, turn_rate: Array, density_north: float, density_
     q14, q23 = dt**2 * t * (X * a + Y * e), -(dt**2) * t * (X * e + Y * a)
     q22, q44 = dt * (X * rates + Y * square * a), dt * (X * square * a + Y * rates)
     q24 = 0.5 * dt * (X - Y) * t * sinc**2
-    Q = np.array([[q11, q12, q13, q14], [q12, q22, q23, q24], [q13, q23, q33, q34], [q14, q24, q34, q44]])
-    return F, Q
+    return np.array([[q11, q12, q13, q14], [q12, q22, q23, q24], [q13, q23, q33, q34], [q14, q24, q34, q44]])
 
 
 def singer(dt: float, time_constant: float, variance: float) -> tuple[Array, Array]:
@@ -222,7 +248,7 @@ def course_kinematics(mean: Array, bank: Array, dt: float) -> tuple[Array, Array
     north_rate, east_rate = mean[1], mean[3]
     square = np.maximum(north_rate**2 + east_rate**2, 1.0)  # a target at rest has no course: no rate below 1 m/s
     turn_rate = turn_rate_of(bank, np.sqrt(square))
-    F, _ = coordinated_turn(dt, turn_rate, 0.0, 0.0)
+    F = turn_transition(dt, turn_rate)
     moved = np.einsum("ij...,j...->i...", F, mean)
     # d moved / d turn_rate: the end velocity is rotated on by dt, the displacement grows by what is left of the turn.
     t = turn_rate * dt
