@@ -175,23 +175,35 @@ class InnerLoops:
         aileron = aileron_per_sideslip * wanted_sideslip + aileron_sum - (ab * b + ap * p + ar * r + ak * k)
         rudder = rudder_per_sideslip * wanted_sideslip + rudder_sum - (rb * b + rp * p + rr * r + rk * k)
 
-        # limits; a sum waits while its control is at a stop and the error would drive it further
-        limited_throttle = 0.0 if throttle < 0.0 else 1.0 if throttle > 1.0 else throttle
-        limited_elevator = -1.0 if elevator < -1.0 else 1.0 if elevator > 1.0 else elevator
-        limited_aileron = -1.0 if aileron < -1.0 else 1.0 if aileron > 1.0 else aileron
-        limited_rudder = -1.0 if rudder < -1.0 else 1.0 if rudder > 1.0 else rudder
-        change = -(tvs * v + ths * h) * dt
-        if throttle == limited_throttle or (throttle > limited_throttle) is not (change > 0.0):
-            throttle_sum += change
-        change = -(evs * v + ehs * h) * dt
-        if elevator == limited_elevator or (elevator > limited_elevator) is not (change > 0.0):
-            elevator_sum += change
-        change = -aks * k * dt
-        if aileron == limited_aileron or (aileron > limited_aileron) is not (change > 0.0):
-            aileron_sum += change
-        change = -rks * k * dt
-        if rudder == limited_rudder or (rudder > limited_rudder) is not (change > 0.0):
-            rudder_sum += change
+        # a sum waits while its control is at a stop and the error would drive it further
+        change = (tvs * v + ths * h) * dt
+        if 0.0 <= throttle <= 1.0:
+            throttle_sum -= change
+        else:
+            stop = 1.0 if throttle > 1.0 else 0.0
+            throttle_sum -= change if (change > 0.0) is (throttle > stop) else 0.0
+            throttle = stop
+        change = (evs * v + ehs * h) * dt
+        if -1.0 <= elevator <= 1.0:
+            elevator_sum -= change
+        else:
+            stop = 1.0 if elevator > 1.0 else -1.0
+            elevator_sum -= change if (change > 0.0) is (elevator > stop) else 0.0
+            elevator = stop
+        change = aks * k * dt
+        if -1.0 <= aileron <= 1.0:
+            aileron_sum -= change
+        else:
+            stop = 1.0 if aileron > 1.0 else -1.0
+            aileron_sum -= change if (change > 0.0) is (aileron > stop) else 0.0
+            aileron = stop
+        change = rks * k * dt
+        if -1.0 <= rudder <= 1.0:
+            rudder_sum -= change
+        else:
+            stop = 1.0 if rudder > 1.0 else -1.0
+            rudder_sum -= change if (change > 0.0) is (rudder > stop) else 0.0
+            rudder = stop
         return (
             pack(
                 LoopState,
@@ -209,5 +221,5 @@ class InnerLoops:
                     lookup,
                 ),
             ),
-            pack(Controls, (limited_aileron, limited_elevator, limited_rudder, limited_throttle, wanted_flaps, gear)),
+            pack(Controls, (aileron, elevator, rudder, throttle, wanted_flaps, gear)),
         )
