@@ -157,9 +157,9 @@ class Legs:
         ways = []
         for index, leg in enumerate(self.route.legs):
             deviation = self.deviation(np.full(mean.shape[1:], index), mean)
-            short = np.maximum(deviation.distance_to_go - leg.length, 0.0)
-            ways.append(np.hypot(deviation.cross_track, short) + radius * np.abs(deviation.track_error))
-            ways[-1] = np.where(deviation.distance_to_go < 0.0, ways[-1] - deviation.distance_to_go, ways[-1])
+            to_go = deviation.distance_to_go
+            outside = np.maximum(to_go - leg.length, 0.0) + np.maximum(-to_go, 0.0)  # before its start, past its end
+            ways.append(np.hypot(deviation.cross_track, outside) + radius * np.abs(deviation.track_error))
         return np.argmin(ways, axis=0)
 
     def deviation(self, place: Array, mean: Array) -> Any:
