@@ -48,7 +48,11 @@ SCALARS = (
     "settling_s",
     "cross_track_rms_final_m",
     "cross_track_at_30_m_m",
+    "cross_track_at_decision_height_m",
     "height_error_rms_final_m",
+    "height_error_at_decision_height_m",
+    "normal_acceleration_rms_final_mps2",
+    "bank_rate_rms_final_degps",
     "touchdown.sink_mps",
     "touchdown.cross_track_m",
     "touchdown.past_threshold_m",
@@ -80,14 +84,9 @@ def _result(
 
 
 def _scalar(check: Check, metrics: dict[str, Any]) -> dict[str, Any]:
-    value: Any = metrics
-    for part in check.metric.split("."):
-        value = value.get(part) if isinstance(value, dict) else None
+    value = _found(metrics, check.metric.split("."))
     if value is None and check.metric.startswith("trackers."):
-        names = list(metrics.get("trackers", {}))
-        raise ScenarioError(
-            f"check of '{check.metric}': no such figure; {did_you_mean(check.metric.split('.')[1], names)}"
-        )
+        raise ScenarioError(f"check of '{check.metric}': no such figure; {_figures(check.metric, metrics)}")
     limit = check.max if check.max is not None else check.min
     assert limit is not None
     if value is None:
@@ -97,6 +96,27 @@ def _scalar(check: Check, metrics: dict[str, Any]) -> dict[str, Any]:
     }
     limit = min(margins, key=lambda bound: margins[bound])
     return _result(check, limit, float(value), margins[limit], None)
+
+
+def _found(table: Any, parts: list[str]) -> Any:
+    """What stands at a path of keys, which may hold points themselves (``radar.azimuth_deg``); None = nothing."""
+    if not parts:
+        return table
+    for count in range(len(parts), 0, -1) if isinstance(table, dict) else ():
+        found = _found(table.get(".".join(parts[:count])), parts[count:])
+        if found is not None:
+            return found
+    return None
+
+
+def _figures(metric: str, metrics: dict[str, Any]) -> str:
+    """What could have been meant by a figure of a tracker."""
+    trackers = metrics.get("trackers", {})
+    name = metric.split(".")[1]
+    if name not in trackers:
+        return did_you_mean(name, trackers)
+    overall = [f"trackers.{name}.overall.{channel}.rmse" for channel in trackers[name]["overall"]]
+    return did_you_mean(metric, overall) if overall else f"tracker '{name}' never saw the aircraft"
 
 
 def _signal(check: Check, flight: Flight, runway: Runway) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from aircraft.state import STANDARD_GRAVITY
 from sim.flight import RECORD_STEP, Flight
 from sim.signals import bank_rate, crab, height_error
 from sim.tables import Runway
@@ -13,6 +14,7 @@ from sim.tables import Runway
 SETTLED = 0.02  # of the deviation at the start of the leg
 SETTLED_LEAST = 5.0  # m; nothing smaller is asked of a capture that starts close
 GLIDE_CAPTURE = 40.0  # s after glide entry that belong to the capture, not to the glide
+DECISION_HEIGHT = 60.0  # m
 
 
 def flight_metrics(flight: Flight, runway: Runway, bank_limit: float) -> dict[str, Any]:
@@ -38,7 +40,11 @@ def flight_metrics(flight: Flight, runway: Runway, bank_limit: float) -> dict[st
         "settling_s": _settling(flight, z, last),
         "cross_track_rms_final_m": _rms(z[glide]) if glide.any() else _rms(z[on_final]) if on_final.any() else None,
         "cross_track_at_30_m_m": _at_height(flight, z, 30.0),
+        "cross_track_at_decision_height_m": _at_height(flight, z, DECISION_HEIGHT),
         "height_error_rms_final_m": _rms(error[glide]) if glide.any() else None,
+        "height_error_at_decision_height_m": _at_height(flight, error, DECISION_HEIGHT),
+        "normal_acceleration_rms_final_mps2": _rms(_normal_acceleration(flight)[glide]) if glide.any() else None,
+        "bank_rate_rms_final_degps": _rms(np.degrees(bank_rate(flight)[glide])) if glide.any() else None,
         "touchdown": _touchdown(flight, runway),
     }
 
@@ -46,6 +52,11 @@ def flight_metrics(flight: Flight, runway: Runway, bank_limit: float) -> dict[st
 def _rms(values: np.ndarray) -> float | None:
     values = values[np.isfinite(values)]
     return float(np.sqrt(np.mean(values**2))) if values.size else None
+
+
+def _normal_acceleration(flight: Flight) -> np.ndarray:
+    """Acceleration along the lift beyond what carries the weight, m/s2."""
+    return np.asarray(STANDARD_GRAVITY * (flight.state.load_factor[2] - 1.0))
 
 
 def _overshoot(flight: Flight, z: np.ndarray, leg: int) -> float | None:
@@ -72,7 +83,7 @@ def _settling(flight: Flight, z: np.ndarray, leg: int) -> float | None:
 def _at_height(flight: Flight, values: np.ndarray, height: float) -> float | None:
     """The value when the final approach passes a height downwards."""
     low = np.flatnonzero((flight.state.height <= height) & flight.during(("glide", "flare")))
-    return float(values[low[0]]) if low.size else None
+    return float(values[low[0]]) if low.size and np.isfinite(values[low[0]]) else None
 
 
 def _touchdown(flight: Flight, runway: Runway) -> dict[str, float] | None:
