@@ -213,7 +213,8 @@ def bank_bandwidth(point: OperatingPoint) -> float:
     A, B, C = bank_loop(point)
     B = B[:, 0]
     frequency = np.geomspace(0.05, 50.0, 2000)
-    response = np.array([abs(C @ np.linalg.solve(1j * w * np.eye(5) - A, B)) for w in frequency])
+    shifted = 1j * frequency[:, None, None] * np.eye(5) - A
+    response = np.abs(np.linalg.solve(shifted, B[:, None])[..., 0] @ C)
     below = np.nonzero(response < math.sqrt(0.5))[0]
     if not len(below):
         raise ValueError("the bank loop has no bandwidth: the model has no usable ailerons")
