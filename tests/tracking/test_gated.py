@@ -52,6 +52,20 @@ def test_an_outlier_of_fifty_sigma_is_as_good_as_absent():
     assert hit.nis[10, 1] > 100.0
 
 
+def test_runs_are_independent():
+    """Batched equals single, also where only some runs reject."""
+    measurements = record(15, 3, seed=4)
+    z = measurements.z.copy()
+    z[5:8, 0, 1] += 500.0
+    z[9, 1, 2] = np.nan
+    tracker = Gated(POSITION, ConstantVelocity(0.3))
+    together = track(tracker, changed(measurements, z), PRIOR, start=0.0)
+    for run in range(3):
+        alone = track(tracker, changed(measurements, z).runs(slice(run, run + 1)), PRIOR, start=0.0)
+        np.testing.assert_allclose(alone.mean[..., 0], together.mean[..., run], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(alone.cov[..., 0], together.cov[..., run], rtol=1e-12, atol=1e-12)
+
+
 def test_it_rejects_as_often_as_it_says():
     """One epoch, 20,000 runs, also where only one channel is present: 1 % +- 4 standard errors (0.28 %)."""
     measurements = record(1, 20_000, seed=3)
