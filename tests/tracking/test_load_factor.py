@@ -289,6 +289,24 @@ def aged(blocks, by):
     return {name: block._replace(clock=block.clock + by) for name, block in blocks.items()}
 
 
+def test_the_tracker_flags_where_the_print_is_clamped():
+    """Half of a base turn, and never where the formula is signed."""
+    flight, rng = base_turn(), np.random.default_rng(14)
+    rows, measurements = observed(flight, 0.7, DEGREE, 4, rng, scale=0.1)
+    prior = prior_of(flight, DEGREE, 4, rng, scale=0.1)
+    flags = {}
+    for mode in ("published", "corrected"):
+        tracker = LoadFactor(MEASURED, 0.0, mode)
+        state, flags[mode] = tracker.begin(Gaussian(prior.mean, prior.cov[..., None])), []
+        for z, R in zip(measurements.z, measurements.R, strict=True):
+            state, _ = tracker.step(state, 0.7, z, R[..., None])
+            assert np.isfinite(tracker.estimate(state).mean).all()
+            flags[mode].append(state.clamped)
+    turning = flight["turning"][rows]
+    assert 0.3 < np.mean(np.array(flags["published"])[turning]) < 0.7  # 0.48 on the flight itself
+    assert not np.any(flags["corrected"])
+
+
 def test_a_sample_between_scans_touches_its_own_block_alone():
     tracker, rng = LoadFactor(MEASURED, 0.0), np.random.default_rng(4)
     flight = base_turn()
