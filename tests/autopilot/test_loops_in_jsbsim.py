@@ -183,3 +183,19 @@ def test_an26_goes_around_and_climbs_away_clean():
     assert math.degrees(command.flaps) == pytest.approx(15.0)
     assert command.gear == 0.0
     assert abs(state.east) < 5.0
+
+
+@pytest.mark.parametrize(("from_deg", "speed", "most"), [(0.0, 0.0, 1.0), (45.0, 10.0, 30.0), (225.0, 10.0, 30.0)])
+def test_turn_onto_final_ends_on_it(from_deg, speed, most):
+    """The figures asked of the pattern: 1 m of overshoot in calm air, 30 m in 10 m/s of wind that the route knows."""
+    gains = an26()
+    wind = steady_wind(math.radians(from_deg), speed)
+    lead = gains.time_to_roll(69.0, math.radians(5.0))
+    route = pattern_route("left", 400.0, 7000.0, 13800.0, 72.0, 69.0, 300.0, 0.0, wind[:2], lead)
+    approach = Approach(route, gains.law, Landing(wheel_height=WHEELS))
+    initial = Initial(-13500.0, -3600.0, 400.0, math.pi / 2, 72.0, 0.0, math.radians(15.0), 0.0, 1)
+    record = fly(JsbsimVehicle(gains, "an26", 20000.0), approach, initial, wind, 130.0)
+    on_final = [approach.deviation(2, state).cross_track for state, s, _ in record if s.leg == 2]
+    assert on_final[0] < -1400.0
+    assert max(on_final) < most
+    assert abs(on_final[-1]) < 2.0
