@@ -146,18 +146,17 @@ class Elevation:
 
     def transition(self, dt: float) -> tuple[Array, Array]:
         """(F, Q) over dt: A and B Q B' of (5), repeated as often as dt needs."""
-        return _transition(self, dt)
+        if self.order == 3:
+            variance = 0.5 * self.acceleration_density / self.correlation_time
+            return _shared(singer, dt, self.correlation_time, variance)
+        increment = self.angle_increment if self.order == 1 else self.rate_increment
+        return _shared(increments, self.order, dt, self.period, increment, self.held)
 
 
 @lru_cache(maxsize=256)
-def _transition(tracker: Elevation, dt: float) -> tuple[Array, Array]:
-    """Matrices of a tracker for an interval, computed once and shared read-only."""
-    if tracker.order == 3:
-        variance = 0.5 * tracker.acceleration_density / tracker.correlation_time
-        F, Q = singer(dt, tracker.correlation_time, variance)
-    else:
-        increment = tracker.angle_increment if tracker.order == 1 else tracker.rate_increment
-        F, Q = increments(tracker.order, dt, tracker.period, increment, tracker.held)
+def _shared(function: Callable[..., tuple[Array, Array]], *arguments: float) -> tuple[Array, Array]:
+    """(F, Q) of an interval, computed once and read-only."""
+    F, Q = function(*arguments)
     F.flags.writeable = Q.flags.writeable = False
     return F, Q
 
@@ -331,8 +330,8 @@ def interval_half_width(confidence: float, runs: int) -> float:
 
     s is the sample's, over ``runs`` errors about their mean; q covers the true value with the given confidence.
     """
-    from scipy.optimize import brentq  # type: ignore[import-untyped]
-    from scipy.stats import chi2  # type: ignore[import-untyped]
+    from scipy.optimize import brentq
+    from scipy.stats import chi2
 
     free = runs - 1
 
