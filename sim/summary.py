@@ -5,6 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 
+SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
+
+
 def summary(metrics: dict[str, Any]) -> str:
     """One sentence on what happened, the trackers, then the checks as an aligned table."""
     flight = metrics["flight"]
@@ -18,6 +21,7 @@ def summary(metrics: dict[str, Any]) -> str:
         (name, channel, figure["rmse"], figure["raw"], figure["gain"])
         for name, tracker in metrics["trackers"].items()
         for channel, figure in tracker["overall"].items()
+        if channel in SHOWN or not SHOWN & set(tracker["overall"])
     ]
     if rows:
         header = ("tracker", "channel", "rmse", "raw", "gain")
@@ -51,3 +55,23 @@ def table(rows: list[Any], words: int) -> list[str]:
         cells = [f"{c:<{w}}" if i < words else f"{c:>{w}}" for i, (c, w) in enumerate(zip(row, widths, strict=True))]
         lines.append("  ".join(cells).rstrip())
     return lines
+
+
+def study_summary(metrics: dict[str, Any]) -> str:
+    """How all flights of a study ended, then its checks as an aligned table."""
+    ended = ", ".join(f"{count} {name}" for name, count in sorted(metrics["outcomes"].items()))
+    lines = [f"{metrics['scenario']}: {metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}"]
+    if metrics["checks"]:
+        header = ("check", "flights", "within", "value", "limit", "margin", "")
+        shown = [
+            [
+                check["name"],
+                check["flights"],
+                check["within"],
+                *(_number(check[key]) for key in ("value", "limit", "margin")),
+                _verdict(check),
+            ]
+            for check in metrics["checks"]
+        ]
+        lines += ["", *table([header, *shown], 1)]
+    return "\n".join(lines)
