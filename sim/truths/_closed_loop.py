@@ -57,9 +57,15 @@ STILL = Air((0.0, 0.0, 0.0), (0.0, 0.0))
 
 
 def wandering_air(
-    generator: np.random.Generator, sigma: float, period: float, step: float, longest: float, shape: tuple[int, ...]
+    generator: np.random.Generator,
+    sigma: float,
+    period: float,
+    step: float,
+    longest: float,
+    shape: tuple[int, ...],
+    steady: tuple[float, float] = (0.0, 0.0),
 ) -> Callable[[int], Air]:
-    """Air whose horizontal acceleration is drawn afresh every ``period`` and whose velocity is continuous.
+    """Air whose horizontal acceleration is drawn afresh every ``period``; its velocity is ``steady`` at the start.
 
     It carries the aircraft along: what it adds to the motion is felt in the load factors, not in the airspeed.
     """
@@ -74,7 +80,7 @@ def wandering_air(
         pushed_north, pushed_east = drawn[index]
         if not shape:
             north, east, pushed_north, pushed_east = map(float, (north, east, pushed_north, pushed_east))
-        return Air((north, east, 0.0), (pushed_north, pushed_east))
+        return Air((steady[0] + north, steady[1] + east, 0.0), (pushed_north, pushed_east))
 
     return at
 

@@ -34,7 +34,7 @@ class BaseTurn:
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} of the base turn must be above 0")
 
-    def fly(self, step: float = RECORD_STEP) -> Flight:
+    def fly(self, *, step: float = RECORD_STEP) -> Flight:
         """Phases base, final_turn, final."""
         turn = Turn(self.base, -0.5 * math.pi)
         start = (-self.distance, 0.0, self.height)

@@ -90,7 +90,7 @@ class LandingPattern:
         )
 
     def fly(
-        self, generator: np.random.Generator | None = None, runs: int | None = None, step: float = RECORD_STEP
+        self, generator: np.random.Generator | None = None, runs: int | None = None, *, step: float = RECORD_STEP
     ) -> Flight:
         """Phases base, final_turn, final, glide, ground.
 

@@ -44,7 +44,7 @@ class Madap:
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} of a MADAP flight must be above 0")
 
-    def fly(self, step: float = RECORD_STEP) -> Flight:
+    def fly(self, *, step: float = RECORD_STEP) -> Flight:
         """Phases straight, turn, after."""
         turns = (Turn(self.straight / self.speed, self.turn),)
         start = (self.north, self.east, self.height)

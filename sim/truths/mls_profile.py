@@ -39,7 +39,7 @@ class MlsProfile:
         if not self.start_speed > self.glide_speed > self.decision_speed > 0.0:
             raise ValueError("the speed must fall from leg to leg")
 
-    def fly(self, step: float = RECORD_STEP) -> Flight:
+    def fly(self, *, step: float = RECORD_STEP) -> Flight:
         """Phases level, glide, flare; ends at the touchdown."""
         descent = self.level_height - self.decision_height
         run = self.glide_distance - self.decision_distance

@@ -35,7 +35,7 @@ class NearPass:
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} of the near pass must be above 0")
 
-    def fly(self, step: float = RECORD_STEP) -> Flight:
+    def fly(self, *, step: float = RECORD_STEP) -> Flight:
         """Phases inbound, turn, outbound."""
         start = (-self.distance, self.offset, self.height)
         turns = (Turn(self.inbound, -0.5 * math.pi),)

@@ -55,7 +55,7 @@ class RouteCapture:
             raise ValueError("the cross-track rate of a route capture must be below its speed")
 
     def fly(
-        self, generator: np.random.Generator | None = None, runs: int | None = None, step: float = RECORD_STEP
+        self, generator: np.random.Generator | None = None, runs: int | None = None, *, step: float = RECORD_STEP
     ) -> Flight:
         """One phase, capture; as long as ``duration``.
 

@@ -40,7 +40,7 @@ class STurn:
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} of the S-turn must be above 0")
 
-    def fly(self, step: float = RECORD_STEP) -> Flight:
+    def fly(self, *, step: float = RECORD_STEP) -> Flight:
         """Phases straight, turn, final."""
         side = [self.swing * (-1) ** i for i in range(self.swings)]
         courses = [0.0, *side, 0.0]

@@ -66,7 +66,7 @@ def test_the_azimuth_is_driven_by_the_acceleration_of_now():
     The trapezoid rule leaves 0.03 deg; an acceleration that comes a step late shifts the rate by a second of its
     change, 0.006 rad/s or 0.3 deg over the turn.
     """
-    state = BaseTurn().fly(1.0).state
+    state = BaseTurn().fly(step=1.0).state
     azimuth, distance = np.arctan2(state.east, state.north), np.hypot(state.north, state.east)
     rows = np.array(
         [
@@ -96,7 +96,7 @@ def test_the_azimuth_is_driven_by_the_acceleration_of_now():
 
 def test_downlinked_load_factors_and_angles_give_the_acceleration_in_wind():
     """In 14 m/s across: dv/dt over the ground to 0.001 m/s2 rms; ground-track angles, 8 deg of drift off, spoil it."""
-    state = BeaconHoming(wind=(0.0, 14.0)).fly(0.1).state
+    state = BeaconHoming(wind=(0.0, 14.0)).fly(step=0.1).state
     flown = np.gradient(np.array([state.velocity_north, state.velocity_east]), 0.1, axis=1)
 
     def error(path: str) -> float:

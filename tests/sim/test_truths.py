@@ -110,7 +110,7 @@ def test_parameters_can_be_written_in_a_file(kind):
 def test_azimuth_acceleration_from_load_factors_is_the_second_derivative_of_the_azimuth(truth, phase):
     """Glistin's geometry, derived afresh: rho az'' = a across the line of sight - 2 rho' az'."""
     step = 0.2
-    flight = truth.fly(step)
+    flight = truth.fly(step=step)
     state = flight.state
     azimuth, distance = np.unwrap(np.arctan2(state.east, state.north)), np.hypot(state.north, state.east)
     rate = (state.north * state.velocity_east - state.east * state.velocity_north) / distance**2
@@ -127,7 +127,7 @@ def test_azimuth_acceleration_from_load_factors_is_the_second_derivative_of_the_
 
 def test_rolling_turns_are_exact_too():
     """Position against the velocity's eighth-order integral also while rolling: the course has a closed form."""
-    state = STurn().fly(0.1).state
+    state = STurn().fly(step=0.1).state
     inside = slice(4, -4)
     for position, velocity in ((state.north, state.velocity_north), (state.east, state.velocity_east)):
         difference = differentiate(position, FIRST, 0.1) - velocity[inside]
@@ -165,7 +165,7 @@ def test_a_turn_too_short_for_the_full_bank_is_flown_with_less():
 )
 def test_mls_profile_has_the_elevation_of_the_papers_geometry(distance, elevation, rate, acceleration):
     """Elevation, rate and acceleration in degrees on the level leg: hand-derived values, to their printed digits."""
-    state = MlsProfile().fly(0.05).state
+    state = MlsProfile().fly(step=0.05).state
     beta = np.degrees(np.arctan2(state.height, -state.north))
     row = np.argmin(np.abs(state.north[:1600] + distance))
     row = int(np.clip(row, 4, 1590))
@@ -177,7 +177,7 @@ def test_mls_profile_has_the_elevation_of_the_papers_geometry(distance, elevatio
 
 
 def test_mls_profile_glides_at_constant_elevation_and_lands_without_sink():
-    flight = MlsProfile().fly(1 / 40.5)
+    flight = MlsProfile().fly(step=1 / 40.5)
     state = flight.state
     glide = flight.during("glide")
     assert np.degrees(np.arctan2(state.height, -state.north))[glide] == pytest.approx(2.29061, abs=1e-5)
@@ -249,6 +249,16 @@ def test_homing_in_a_crosswind_settles_where_bearing_and_drift_balance():
     assert np.abs(track.deviation.cross_track).max() < 1.0  # the track form needs no bearing to hold the course
 
 
+def test_homing_is_shaken_about_its_steady_wind():
+    """A quarter of a minute of white acceleration, q = 0.1: variance q t of the velocity about the mean wind's."""
+    truth = BeaconHoming(wind=(0.0, 14.0), bearing=0.0, nearest=38500.0)
+    quiet, shaken = truth.fly(step=0.25).state, truth.fly(np.random.default_rng(4), 200, step=0.25).state
+    row = 40
+    north = shaken.velocity_north[row] - quiet.velocity_north[row]
+    assert north.mean() == pytest.approx(0.0, abs=0.25)  # 3.5 sigma of a mean of 200
+    assert north.var() == pytest.approx(0.1 * 10.0, rel=0.35)  # 10 % per sigma
+
+
 def test_landing_pattern_flies_the_papers_speeds_and_lands():
     flight = LandingPattern().fly(step=0.1)
     state = flight.state
@@ -304,7 +314,7 @@ def test_landing_pattern_is_entered_from_any_direction(turn):
 def test_madap_flights_turn_by_175_degrees_after_twenty_nautical_miles():
     for speed in SPEEDS:
         for bank in BANKS:
-            flight = Madap(speed=speed, bank=bank).fly(0.5)
+            flight = Madap(speed=speed, bank=bank).fly(step=0.5)
             state = flight.state
             assert np.degrees(np.abs(state.bank).max()) == pytest.approx(math.degrees(bank), abs=1e-9)
             turned = np.unwrap(state.course)
