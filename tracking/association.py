@@ -16,8 +16,8 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from tracking.consistency import chi_square
 from tracking.gaussian import Gaussian, Innovation, Mixture, lift, merge, reweigh
+from tracking.intervals import chi_square
 from tracking.track import Tracker
 
 Array = Any

@@ -27,8 +27,8 @@ from typing import Any
 import numpy as np
 from scipy.integrate import quad
 
-from tracking.consistency import Interval
 from tracking.gaussian import lift
+from tracking.intervals import Interval
 
 Array = Any
 

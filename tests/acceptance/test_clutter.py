@@ -17,8 +17,9 @@ import pytest
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, Route
 from tracking.association import ProbabilisticDataAssociation, blend, clutter_density
-from tracking.consistency import Consistency, Interval, Summary, proportion
+from tracking.consistency import Consistency, Summary
 from tracking.gaussian import Gaussian, Mixture, merge
+from tracking.intervals import Interval, proportion
 from tracking.measurement import LinearMeasurement
 from tracking.monitor import Monitored, NisMonitor
 from tracking.motion import ConstantVelocity

@@ -17,8 +17,9 @@ from tracking.bounds import (
     posterior_bound,
     trajectory_averaged_riccati,
 )
-from tracking.consistency import Consistency, Summary, Sums, gain, mean_interval, normalised_error
+from tracking.consistency import Consistency, Summary, Sums, normalised_error
 from tracking.gaussian import Gaussian, merge
+from tracking.intervals import gain, mean_interval
 from tracking.measurement import ConvertedPolar, DebiasedPolar, ExtendedPolar, LinearMeasurement
 from tracking.monitor import NisMonitor
 from tracking.motion import CARTESIAN, ConstantVelocity, planar_constant_velocity

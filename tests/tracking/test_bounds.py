@@ -16,8 +16,9 @@ from tracking.bounds import (
     riccati,
     trajectory_averaged_riccati,
 )
-from tracking.consistency import Consistency, Interval
+from tracking.consistency import Consistency
 from tracking.gaussian import Gaussian
+from tracking.intervals import Interval
 from tracking.measurement import DebiasedPolar, LinearMeasurement
 from tracking.motion import CARTESIAN, ConstantVelocity, planar_constant_velocity
 from tracking.track import Measurements, follow, track

@@ -7,8 +7,8 @@ import itertools
 import numpy as np
 import pytest
 
-from tracking.consistency import gain
 from tracking.gaussian import Gaussian, merge
+from tracking.intervals import gain
 from tracking.measurement import LinearMeasurement
 from tracking.motion import ConstantVelocity, CoordinatedTurn
 from tracking.reference_filter import ReferenceFilter, optimal_resampling

@@ -6,22 +6,19 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from tracking.consistency import (
-    Consistency,
-    autocorrelation,
+from tracking.consistency import Consistency, autocorrelation, lost, normalised_error
+from tracking.gaussian import Gaussian, Mixture
+from tracking.intervals import (
     bootstrap,
     correlation_band,
     gain,
-    lost,
     mean_interval,
     mean_square_band,
-    normalised_error,
     paired_difference,
     proportion,
     rmse,
     rmse_band,
 )
-from tracking.gaussian import Gaussian, Mixture
 from tracking.measurement import LinearMeasurement
 from tracking.motion import ConstantVelocity, planar_constant_velocity
 from tracking.track import Measurements, follow

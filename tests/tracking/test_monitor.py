@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracking.consistency import mean_interval
 from tracking.gaussian import Gaussian, Innovation, Mixture, merge
+from tracking.intervals import mean_interval
 from tracking.measurement import LinearMeasurement
 from tracking.monitor import Monitored, NisMonitor, choose
 from tracking.motion import ConstantVelocity, planar_constant_velocity

@@ -7,8 +7,9 @@ import itertools
 import numpy as np
 import pytest
 
-from tracking.consistency import gain, normalised_error
+from tracking.consistency import normalised_error
 from tracking.gaussian import Gaussian
+from tracking.intervals import gain
 from tracking.measurement import LinearMeasurement
 from tracking.motion import AlongTrackAcceleration, ConstantVelocity, CoordinatedTurn
 from tracking.smoothing import smooth, smooth_fixed_lag, smooth_models

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from tracking.consistency import chi_square
 from tracking.gaussian import Gaussian, Innovation, predict, update
+from tracking.intervals import chi_square
 from tracking.measurement import MeasurementModel
 from tracking.motion import ConstantVelocity, Motion
 
