@@ -136,11 +136,9 @@ class SwitchingNoise:
         return state
 
     def _split(self, gaussian: Gaussian, weights: Array) -> Mixture:
-        """The same Gaussian under every hypothesis."""
-        count, cov = len(self.factors), lift(gaussian.cov, 2, np.ndim(gaussian.mean) - 1)
-        return Mixture(
-            weights, np.repeat(gaussian.mean[:, None], count, axis=1), np.repeat(cov[:, :, None], count, axis=2)
-        )
+        """The same Gaussian under every hypothesis, in a hypothesis axis of size one."""
+        cov = lift(gaussian.cov, 2, np.ndim(gaussian.mean) - 1)
+        return Mixture(weights, gaussian.mean[:, None], cov[:, :, None])
 
 
 def stationary(switching: Array) -> Array:
