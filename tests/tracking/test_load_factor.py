@@ -267,9 +267,9 @@ def test_blocks_are_plain_kalman_filters_and_gains_do_not_look_at_the_data():
     for z, R in zip(measurements.z[:40], measurements.R, strict=False):
         state, _ = tracker.step(state, 0.7, z, R[..., None])
         judge, _ = update(predict(judge, F, Q), z[:1], np.eye(1, 3), R[:1, :1])
-    np.testing.assert_allclose(state.blocks["range"].mean, judge.mean, rtol=1e-10, atol=1e-9)
-    np.testing.assert_allclose(state.blocks["range"].cov[..., 0], judge.cov, rtol=1e-9)
-    assert all(block.cov.shape[-1] == 1 for block in state.blocks.values())  # one Riccati recursion for all runs
+    np.testing.assert_allclose(state.blocks.range.mean, judge.mean, rtol=1e-10, atol=1e-9)
+    np.testing.assert_allclose(state.blocks.range.cov[..., 0], judge.cov, rtol=1e-9)
+    assert all(block.cov.shape[-1] == 1 for block in state.blocks)  # one Riccati recursion for all runs
 
 
 @pytest.mark.parametrize("mode", ["published", "intended", "corrected"])
@@ -286,7 +286,7 @@ def test_printed_azimuth_block_never_corrects_its_acceleration(mode):
 
 
 def aged(blocks, by):
-    return {name: block._replace(clock=block.clock + by) for name, block in blocks.items()}
+    return type(blocks)(*(block._replace(clock=block.clock + by) for block in blocks))
 
 
 def test_the_tracker_flags_where_the_print_is_clamped():
@@ -320,8 +320,8 @@ def test_a_sample_between_scans_touches_its_own_block_alone():
     after, innovation = tracker.step(state, 0.1, alone, measurements.R[0])
     assert np.isfinite(innovation.white).sum() == 1
     own = DOWNLINK.index("aerodynamic_bank")
-    for name, block in after.blocks.items():
-        old, others = state.blocks[name], slice(None)
+    for name, block in after.blocks._asdict().items():
+        old, others = getattr(state.blocks, name), slice(None)
         if name == "downlink":
             assert block.clock[own] == 0.0
             assert block.mean[0, own] != old.mean[0, own]

@@ -118,15 +118,33 @@ class Block(NamedTuple):
     own clock.
     """
 
-    mean: Array  # (n, *B)
-    cov: Array  # (n, n, *C)
+    gaussian: Gaussian
     clock: Array  # s, () or (*B) where runs missed different measurements; (6, ...) of the downlink
+
+    @property
+    def mean(self) -> Array:
+        """(n, *B)."""
+        return self.gaussian.mean
+
+    @property
+    def cov(self) -> Array:
+        """(n, n, *C)."""
+        return self.gaussian.cov
+
+
+class Blocks(NamedTuple):
+    """All that is estimated."""
+
+    range: Block
+    elevation: Block
+    azimuth: Block
+    downlink: Block
 
 
 class LoadFactorState(NamedTuple):
     """The blocks, and the azimuth acceleration last computed for each run."""
 
-    blocks: dict[str, Block]  # range, elevation, azimuth, downlink
+    blocks: Blocks
     aid: Array  # (*B) rad/s2, NaN = unaided
     clamped: Array  # (*B) bool, where its radicand was negative
 
@@ -238,7 +256,7 @@ class LoadFactor:
             "range": self.range_density / (2.0 * self.range_correlation_time),
             "azimuth": self.kinematic_density / (2.0 * self.kinematic_correlation_time),
         }
-        blocks = {}
+        begun = {}
         for first, quantity in zip((0, 2, 4), ("range", "azimuth", "elevation"), strict=True):
             mean, cov = prior.mean[first : first + 2], prior.cov[first : first + 2, first : first + 2]
             if quantity in accelerations:
@@ -246,7 +264,7 @@ class LoadFactor:
                 larger = np.zeros((3, 3, *cov.shape[2:]))
                 larger[:2, :2], larger[2, 2] = cov, accelerations[quantity]
                 cov = larger
-            blocks[quantity] = Block(mean, cov, 0.0)
+            begun[quantity] = Block(Gaussian(mean, cov), 0.0)
         _, memory, densities = self._dynamics["downlink"]
         cov = np.zeros((2, 2, 6))
         cov[0, 0] = [math.pi**2 if quantity == "air_course" else 0.25 for quantity in DOWNLINK]
@@ -254,14 +272,14 @@ class LoadFactor:
         mean = np.zeros((2, 6))
         mean[0] = [float(quantity == "load_factor_up") for quantity in DOWNLINK]
         silence = np.full((6, *(1,) * batch), 2.0 * self.dropout)  # as one that has been silent for too long
-        blocks["downlink"] = Block(lift(mean, 2, batch), lift(cov, 3, batch), silence)
+        begun["downlink"] = Block(Gaussian(lift(mean, 2, batch), lift(cov, 3, batch)), silence)
         none = np.full(prior.mean.shape[1:], np.nan)
-        return LoadFactorState(blocks, none, np.zeros(none.shape, dtype=bool))
+        return LoadFactorState(Blocks(**begun), none, np.zeros(none.shape, dtype=bool))
 
     def step(
         self, state: LoadFactorState, dt: float, z: Any | None, R: Any | None
     ) -> tuple[LoadFactorState, Innovation | None]:
-        blocks = {quantity: block._replace(clock=block.clock + dt) for quantity, block in state.blocks.items()}
+        blocks = Blocks(*(block._replace(clock=block.clock + dt) for block in state.blocks))
         state = state._replace(blocks=blocks)
         if z is None:
             return state, None
@@ -269,35 +287,35 @@ class LoadFactor:
         R = np.asarray(R, dtype=float)
         found: dict[str, Innovation] = {}
         for quantity in ("range", "elevation"):
-            heard = np.isfinite(z[self._rows[quantity]])
+            heard, block = np.isfinite(z[self._rows[quantity]]), getattr(blocks, quantity)
             if heard.any():
-                posterior, found[quantity] = self._update(quantity, self._now(quantity, blocks[quantity]), z, R)
-                blocks[quantity] = _chosen(heard, Block(*posterior, 0.0), blocks[quantity])
+                posterior, found[quantity] = self._update(quantity, self._now(quantity, block), z, R)
+                blocks = blocks._replace(**{quantity: _chosen(heard, Block(posterior, 0.0), block)})
         heard = np.isfinite(z[self._downlink])
         if heard.any():
-            posterior, found["downlink"] = self._update_downlink(self._now("downlink", blocks["downlink"]), z, R)
-            fresh = Block(*posterior, np.zeros_like(blocks["downlink"].clock))
-            blocks["downlink"] = _chosen(_agreed(heard), fresh, blocks["downlink"])
-        return self._step_azimuth(state, z, R, heard.any(axis=0), found)
+            posterior, found["downlink"] = self._update_downlink(self._now("downlink", blocks.downlink), z, R)
+            fresh = Block(posterior, np.zeros_like(blocks.downlink.clock))
+            blocks = blocks._replace(downlink=_chosen(_agreed(heard), fresh, blocks.downlink))
+        return self._step_azimuth(state._replace(blocks=blocks), z, R, heard.any(axis=0), found)
 
     def _now(self, quantity: str, block: Block) -> Gaussian:
         """A block other than the azimuth's carried on to now."""
         order, memory, density = self._dynamics[quantity]
         if np.ndim(density):
             density = lift(density, 1, np.ndim(block.clock) - 1)
-        return predict(Gaussian(block.mean, block.cov), *integrators(order, memory, density, block.clock))
+        return predict(block.gaussian, *integrators(order, memory, density, block.clock))
 
     def _step_azimuth(
         self, state: LoadFactorState, z: Array, R: Array, heard: Array, found: dict[str, Innovation]
     ) -> tuple[LoadFactorState, Innovation]:
         """The azimuth block, carried on where the radar looked, or where it has waited and the downlink spoke."""
-        block = state.blocks["azimuth"]
+        block = state.blocks.azimuth
         scanned = np.isfinite(z[list(self._rows.values())]).any(axis=0)
         due = scanned | (heard & (block.clock >= self.longest_step))
         if due.any():
             moved, aid, clamped = self._azimuth_now(state)
             posterior, found["azimuth"] = self._update("azimuth", moved, z, R)
-            blocks = {**state.blocks, "azimuth": _chosen(due, Block(*posterior, 0.0), block)}
+            blocks = state.blocks._replace(azimuth=_chosen(due, Block(posterior, 0.0), block))
             if self.azimuth_acceleration != "corrected_residual":
                 aid, clamped = self._computed(blocks, posterior.mean, 0.0)
                 aid = np.where(self._silent(blocks, 0.0), np.nan, aid)
@@ -313,7 +331,7 @@ class LoadFactor:
             if quantity == "azimuth":
                 now, _, _ = self._azimuth_now(state)
             else:
-                now = self._now(quantity, state.blocks[quantity])
+                now = self._now(quantity, getattr(state.blocks, quantity))
             parts.append(Gaussian(now.mean[:2], now.cov[:2, :2]))
         batch = np.broadcast_shapes(*(part.mean.shape[1:] for part in parts))
         spread = np.broadcast_shapes(*(part.cov.shape[2:] for part in parts))
@@ -346,14 +364,14 @@ class LoadFactor:
             log_likelihood = log_likelihood + np.sum(innovation.log_likelihood, axis=over)
         return Innovation(white, nis, log_likelihood)
 
-    def _silent(self, blocks: dict[str, Block], ago: Array) -> Array:
+    def _silent(self, blocks: Blocks, ago: Array) -> Array:
         """Whether a downlinked quantity had been silent for too long, ``ago`` seconds before now."""
-        return blocks["downlink"].clock.max(axis=0) - ago > self.dropout
+        return blocks.downlink.clock.max(axis=0) - ago > self.dropout
 
     def _azimuth_now(self, state: LoadFactorState) -> tuple[Gaussian, Array, Array]:
         """The azimuth block carried on to now, the computed acceleration behind it, and where that was clamped."""
-        block, aid = state.blocks["azimuth"], state.aid
-        moved = Gaussian(block.mean, block.cov)
+        block, aid = state.blocks.azimuth, state.aid
+        moved = block.gaussian
         clamped, left = state.clamped, np.asarray(block.clock, dtype=float)
         while True:
             span = np.minimum(left, self.longest_step)
@@ -377,7 +395,7 @@ class LoadFactor:
         return predict(gaussian, *integrators(3, memory, self.kinematic_density / memory**2, span))
 
     def _aided(
-        self, gaussian: Gaussian, aid: Array, span: Array, left: Array, blocks: dict[str, Block]
+        self, gaussian: Gaussian, aid: Array, span: Array, left: Array, blocks: Blocks
     ) -> tuple[Gaussian, Array, Array]:
         """Azimuth over ``span`` that ends ``left`` before now, driven by the computed acceleration."""
         if self.azimuth_acceleration != "corrected_residual":
@@ -405,11 +423,11 @@ class LoadFactor:
         measured = np.where(fresh, computed, np.nan)[None]
         return update(gaussian, measured, np.eye(1, 3, 2), np.array([[variance]]))[0], np.where(fresh, computed, aid)
 
-    def _computed(self, blocks: dict[str, Block], azimuth: Array, ago: Array) -> tuple[Array, Array]:
+    def _computed(self, blocks: Blocks, azimuth: Array, ago: Array) -> tuple[Array, Array]:
         """Azimuth acceleration from the other blocks' estimates, and where it was clamped [Glistin, eq. (1)]."""
         seen = {}
         for quantity, (order, memory, _) in self._dynamics.items():
-            block = blocks[quantity]
+            block = getattr(blocks, quantity)
             seen[quantity] = _ahead(block.mean, order, memory, np.maximum(block.clock - ago, 0.0))
         n_x, n_y, n_z, gamma, theta, course = seen["downlink"][0]
         a_X, a_Z = horizontal_acceleration(n_x, n_y, n_z, gamma, theta, self.zero_azimuth - course)
@@ -502,5 +520,4 @@ def _chosen(mask: Array, new: Block, old: Block) -> Block:
         return new
     if not mask.any():
         return old
-    gaussian = either(mask, Gaussian(new.mean, new.cov), Gaussian(old.mean, old.cov))
-    return Block(*gaussian, np.where(mask, new.clock, old.clock))
+    return Block(either(mask, new.gaussian, old.gaussian), np.where(mask, new.clock, old.clock))
