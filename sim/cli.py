@@ -11,7 +11,7 @@ import typer
 
 from sim.errors import OutputError, ScenarioError
 
-GOOD, CHECK_FAILED, BAD_INPUT, FLIGHTS_CRASHED = 0, 1, 2, 3
+GOOD, CHECK_FAILED, BAD_INPUT, FLIGHTS_CRASHED, STOPPED = 0, 1, 2, 3, 130
 DEFAULT = "an26_pattern"
 
 app = typer.Typer(
@@ -54,6 +54,71 @@ def run(
         typer.echo(summary(result.metrics))
         typer.echo(f"report: {folder / 'report.html'}")
     raise typer.Exit(_exit_code(result.metrics))
+
+
+Workers = Annotated[
+    int | None, typer.Option("-j", "--workers", min=1, help="Worker processes; default one for each core.")
+]
+
+
+@app.command()
+def study(
+    scenario: Annotated[str, typer.Argument(help="A scenario with [study.axes]: a file or a bundled name.")],
+    out: Out = None,
+    workers: Workers = None,
+    sets: Sets = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
+    flights: Annotated[int | None, typer.Option(min=1, help="Flights of every sample of every cell.")] = None,
+    anew: Annotated[bool, typer.Option("--anew", help="Throw away another study that the folder holds.")] = False,
+) -> None:
+    """Fly a scenario over the axes of its [study] table; what a folder already has of it is not flown again."""
+    from sim import study as studies
+
+    overrides = _overrides(sets, seed=seed, flights=flights)
+    folder = out if out is not None else Path("out") / _study_name(scenario)
+    count = _workers(workers)
+    call = studies.study
+    _study(folder, lambda **given: call(scenario, folder, overrides=overrides, anew=anew, **given), count)
+
+
+@app.command()
+def resume(
+    folder: Annotated[Path, typer.Argument(help="The folder of a study that was interrupted.")],
+    workers: Workers = None,
+    anyway: Annotated[bool, typer.Option("--anyway", help="Go on although the versions differ.")] = False,
+) -> None:
+    """Go on with a study where it was interrupted; the result is that of an uninterrupted one."""
+    from sim import study as studies
+
+    _study(folder, lambda **given: studies.resume(folder, anyway=anyway, **given), _workers(workers))
+
+
+def _study(folder: Path, fly: Any, workers: int) -> None:
+    from sim.executors import LocalExecutor
+    from sim.study_summary import study_summary
+
+    try:
+        metrics = fly(executor=LocalExecutor(workers), workers=workers, progress=_progress())
+    except KeyboardInterrupt:
+        typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}", err=True)
+        raise typer.Exit(STOPPED) from None
+    typer.echo(study_summary(metrics))
+    typer.echo(f"figures: {folder / 'metrics.json'}")
+    crashed = "crashed" in metrics["outcomes"]
+    failed = any(check["passed"] is False for check in metrics["checks"])
+    raise typer.Exit(FLIGHTS_CRASHED if crashed else CHECK_FAILED if failed else GOOD)
+
+
+def _study_name(scenario: str) -> str:
+    from sim.scenario import read
+
+    return read(scenario).name
+
+
+def _workers(asked: int | None) -> int:
+    import os
+
+    return asked if asked is not None else os.cpu_count() or 1
 
 
 @app.command()
@@ -174,7 +239,7 @@ def main() -> None:
         app(standalone_mode=True)
     except KeyboardInterrupt:
         typer.echo("stopped", err=True)
-        sys.exit(130)
+        sys.exit(STOPPED)
     except (ScenarioError, OutputError) as error:
         for line in str(error).splitlines():
             typer.echo(f"shortfinal: {line}", err=True)

@@ -51,14 +51,15 @@ def staged(folder: Path) -> Iterator[Path]:
 
 def write_json(path: Path, content: Any) -> None:
     """JSON with sorted keys; what is not finite is null."""
-    path.write_text(json.dumps(_plain(content), sort_keys=True, indent=1, allow_nan=False) + "\n")
+    path.write_text(json.dumps(plain(content), sort_keys=True, indent=1, allow_nan=False) + "\n")
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """The value as JSON can hold it: plain numbers, null for what is not finite."""
     if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, float) and not math.isfinite(value):

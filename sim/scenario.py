@@ -24,6 +24,7 @@ from sim.tables import (
     PatternTable,
     Runway,
     Start,
+    StudyTable,
     WindTable,
 )
 
@@ -66,6 +67,7 @@ class Scenario:
     sensors: dict[str, Any]
     trackers: dict[str, TrackerChoice]
     checks: tuple[Check, ...]
+    study: StudyTable | None
     tables: dict[str, Any] = field(repr=False)  # the resolved file
 
 
@@ -185,6 +187,7 @@ def _file_model(parts: dict[str, Any]) -> type[BaseModel]:
         wind=(model_of(WindTable), None),
         designed=(dict[str, Any] | None, None),
         checks=(list[model_of(Check)], []),  # type: ignore[misc]
+        study=(model_of(StudyTable) | None, None),
         **parts,
     )
 
@@ -293,6 +296,7 @@ def _build(origin: str, tables: dict[str, Any]) -> Scenario:
             _construct(faults, f"[[checks]] entry {i}", Check, entry)
             for i, entry in enumerate(tables.get("checks", []))
         ),
+        "study": table("study", StudyTable) if tables.get("study") is not None else None,
     }
     navigation = tables.get("autopilot", {}).get("navigation", "truth")
     if navigation != "truth" and navigation not in trackers:
@@ -356,6 +360,7 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
         for name, choice in built["trackers"].items()
     }
     out["checks"] = list(tables.get("checks", []))
+    out["study"] = tables.get("study")
     return out
 
 

@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from sim.axes import Axis, Sampled, axis
+
 
 @dataclass(frozen=True)
 class Runway:
@@ -194,3 +196,50 @@ class Check:
             raise ValueError(f"the check of '{self.metric}' has max below min")
         if self.for_ < 0:
             raise ValueError("for_s must not be negative")
+
+
+@dataclass(frozen=True)
+class StudyCheck:
+    """What a share of all flights of a study must keep, with a confidence that the number of flights gives."""
+
+    metric: str
+    name: str | None = None
+    max: float | None = None  # in the metric's own suffix
+    min: float | None = None
+    share: float = 0.95  # of the flights, at least
+    confidence: float = 0.95  # one-sided
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if (self.max is None) == (self.min is None):
+            raise ValueError(f"the check of '{self.metric}' needs either 'max' or 'min'")
+        for name in ("share", "confidence"):
+            if not 0 < getattr(self, name) < 1:
+                raise ValueError(f"the check of '{self.metric}' needs a {name} between 0 and 1, such as 0.95")
+
+
+@dataclass(frozen=True)
+class StudyTable:
+    """What a study varies, how many samples it draws of what is distributed, and what its flights must keep."""
+
+    axes: dict[str, Any]
+    samples: int = 1
+    checks: tuple[StudyCheck, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.axes:
+            raise ValueError("axes are empty: a study varies at least one value")
+        if self.samples < 1:
+            raise ValueError("samples must be at least 1")
+        drawn = [one for one in self.varied if isinstance(one, Sampled)]
+        if self.samples > 1 and not drawn:
+            raise ValueError("samples are drawn from distributions, and no axis is one; take 'samples' out")
+        sobol = any(one.distribution == "sobol" for one in drawn)
+        if sobol and self.samples & (self.samples - 1):
+            below = 1 << (self.samples.bit_length() - 1)
+            raise ValueError(f"samples of sobol axes must be a power of two: {below} or {2 * below}")
+
+    @property
+    def varied(self) -> tuple[Axis, ...]:
+        """The axes, in the order of the file."""
+        return tuple(axis(address, given) for address, given in self.axes.items())
