@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
 
 
@@ -55,23 +54,3 @@ def table(rows: list[Any], words: int) -> list[str]:
         cells = [f"{c:<{w}}" if i < words else f"{c:>{w}}" for i, (c, w) in enumerate(zip(row, widths, strict=True))]
         lines.append("  ".join(cells).rstrip())
     return lines
-
-
-def study_summary(metrics: dict[str, Any]) -> str:
-    """How all flights of a study ended, then its checks as an aligned table."""
-    ended = ", ".join(f"{count} {name}" for name, count in sorted(metrics["outcomes"].items()))
-    lines = [f"{metrics['scenario']}: {metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}"]
-    if metrics["checks"]:
-        header = ("check", "flights", "within", "value", "limit", "margin", "")
-        shown = [
-            [
-                check["name"],
-                check["flights"],
-                check["within"],
-                *(_number(check[key]) for key in ("value", "limit", "margin")),
-                _verdict(check),
-            ]
-            for check in metrics["checks"]
-        ]
-        lines += ["", *table([header, *shown], 1)]
-    return "\n".join(lines)
