@@ -90,6 +90,8 @@ def fly_closed(
 ) -> Flight:
     """Fly until every run has finished; runs that finish earlier go on under their law and plan.
 
+    A loop that takes longer than it may ends with the outcome ``time_limit``.
+
     Parameters
     ----------
     body : state at the start, floats or arrays (*B)
@@ -116,7 +118,8 @@ def fly_closed(
         commands.append(command)
         legs.append(leg)
         phases.append(phase)
-        if np.all(plan.finished) or len(states) * step > loop.longest:
+        finished = bool(np.all(plan.finished))
+        if finished or len(states) * step > loop.longest:
             break
         if air is None:
             body = mass.step(body, command, step)
@@ -132,7 +135,8 @@ def fly_closed(
         np.array(legs),
         np.array(phases),
         loop.phases,
-        reason,
+        reason if finished else f"not finished after {loop.longest:.0f} s",
+        "completed" if finished else "time_limit",
     )
 
 

@@ -75,13 +75,20 @@ def prescribed_flight(
 
 
 def recorded(
-    state: AircraftState, command: Command, route: Route, leg: Array, phase: Array, phases: tuple[str, ...], reason: str
+    state: AircraftState,
+    command: Command,
+    route: Route,
+    leg: Array,
+    phase: Array,
+    phases: tuple[str, ...],
+    reason: str,
+    outcome: str = "completed",
 ) -> Flight:
-    """A Flight that ran to its end; a batch of runs has the events of its first run."""
+    """A Flight that was flown to its end; a batch of runs has the events of its first run."""
     shape = np.shape(state.north)
     leg, phase = np.broadcast_to(leg, shape), np.broadcast_to(phase, shape)
     time, order = np.asarray(state.time), phase[(slice(None), *(0,) * (len(shape) - 1))]
     changes = [0, *(np.flatnonzero(np.diff(order)) + 1)]
     events = [Event(float(time[i]), phases[order[i]]) for i in changes]
-    events.append(Event(float(time[-1]), "completed", reason))
-    return Flight(route, state, command, leg, phase, phases, tuple(events), "completed", reason)
+    events.append(Event(float(time[-1]), outcome, reason))
+    return Flight(route, state, command, leg, phase, phases, tuple(events), outcome, reason)

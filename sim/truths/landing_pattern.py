@@ -59,16 +59,8 @@ class LandingPattern:
             raise ValueError(
                 f"the turn onto final must lie between 0 and 180 deg, not {math.degrees(self.turn):.0f} deg"
             )
-        positive = (
-            "entry",
-            "distance",
-            "height",
-            "glide_path",
-            "approach_speed",
-            "deceleration",
-            "acceleration_period",
-        )
-        for name in positive:
+        lengths = ("entry", "distance", "height", "glide_path")
+        for name in (*lengths, "approach_speed", "deceleration", "acceleration_period"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} of the landing pattern must be above 0")
         if not self.acceleration_sigma >= 0.0:
@@ -105,9 +97,8 @@ class LandingPattern:
         law = LateralNavigation(self.k1, self.k2, self.bank_limit, self.cross_track_limit, rate_limit)
         landing = Landing(approach_speed=self.approach_speed, glide_path=self.glide_path)
         bend = landing.bend(self.turn_speed)
-        glide_entry = self.height / math.tan(self.glide_path) + 0.5 * bend
-
         slope = math.tan(self.glide_path)
+        glide_entry = self.height / slope + 0.5 * bend
 
         def plan(state: AircraftState, leg: Any, deviation: PathDeviation, phase: Any) -> Plan:
             to_go = deviation.distance_to_go

@@ -352,6 +352,14 @@ def test_bad_parameters_are_refused_in_one_sentence(truth, values, says):
         truth(**values)
 
 
+def test_a_flight_that_never_ends_says_so():
+    """A law that circles does not bring the aircraft to its beacon."""
+    flight = BeaconHoming(law=lambda deviation: 0.5).fly(step=0.5)
+    assert flight.outcome == "time_limit"
+    assert flight.events[-1].name == "time_limit"
+    assert "not finished" in flight.reason
+
+
 def test_a_leg_too_short_for_the_turn_is_refused():
     with pytest.raises(ValueError, match="its turns need"):
         LandingPattern(entry=1000.0).fly()
