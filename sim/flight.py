@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from aircraft.airframe import FlightError
+from aircraft.errors import FlightError
 from aircraft.state import AircraftState, Command
 from autopilot.route import PathDeviation, Route
 from sim.outcomes import Judge, Limits

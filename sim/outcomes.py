@@ -36,6 +36,7 @@ class Judge:
         self.start_offset = 0.0
         self.outside_since: float | None = None
         self.sink = 0.0
+        self.touched = ""  # where and how the first wheel touched
 
     def __call__(self, state: AircraftState, leg: int, finished: str) -> tuple[str, str] | None:
         """(outcome, reason) once the flight is over, else None."""
@@ -64,7 +65,8 @@ class Judge:
 
     def _contact(self, state: AircraftState) -> tuple[str, str] | None:
         past, across = self.limits.runway.from_local(state.north, state.east)
-        where = f"{past:.0f} m past the threshold, {abs(across):.1f} m off the centreline, sink {self.sink:.2f} m/s"
+        here = f"{past:.0f} m past the threshold, {abs(across):.1f} m off the centreline, sink {self.sink:.2f} m/s"
+        self.touched = where = self.touched or here
         in_box = TOUCHDOWN_BOX[0] <= past <= TOUCHDOWN_BOX[1]
         if not in_box or self.sink > HARDEST_LANDING or state.height < -1.0:
             return "ground", f"touched the ground {where}"

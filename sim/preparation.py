@@ -7,11 +7,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from aircraft.airframe import FlightError
 from aircraft.airframe import Runway as Place
 from aircraft.data import AircraftData, data
-from aircraft.model_files import ModelError
-from aircraft.trim import TrimError
+from aircraft.errors import FlightError, ModelError, TrimError
 from aircraft.wind import SteadyWind, Turbulence
 from autopilot.approach import PHASES, Approach, Landing
 from autopilot.design import RATE_MARGIN, Designed
@@ -83,6 +81,9 @@ def prepare(scenario: Scenario) -> Prepared:
         route = _route(scenario, landing)
         place = "[aircraft]"
         gains = _designed(scenario, route, flaps, landing, aircraft)
+        turn_speed = min(leg.speed for leg in route.legs)
+        lead = gains.time_to_roll(turn_speed, scenario.autopilot.roll_rate_limit)
+        route = dataclasses.replace(route, time_to_roll=lead)
         place = "[autopilot.law]"
         law = _law(scenario, gains, route)
         place = "[autopilot]"
@@ -96,6 +97,7 @@ def prepare(scenario: Scenario) -> Prepared:
             deceleration=scenario.route.deceleration if isinstance(scenario.route, PatternTable) else 0.5,
             flaps=flaps,
             allow_orbit=scenario.autopilot.allow_orbit,
+            offset=abs(scenario.start.cross_track) if len(route.legs) == 1 else math.inf,
         )
         place = "[start]"
         initial = _initial(scenario, route, flaps, landing)

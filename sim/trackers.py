@@ -15,11 +15,10 @@ from sim.observation import SensorRecord, measurements
 from sim.parameters import GIVEN, construct
 from sim.preparation import Prepared
 from sim.scenario import TrackerChoice
+from tracking import consistency
 from tracking.measurement import DebiasedPolar, LinearMeasurement, Stacked
 from tracking.track import Measurements, Track
 from tracking.track import track as run_tracker
-
-ELLIPSE, LOST_AFTER = 1 - 1e-6, 10  # a track is lost after so many epochs outside this ellipse
 
 
 class Tracked(NamedTuple):
@@ -58,9 +57,11 @@ def track(
         record = measurements(records, sensors)
         tracker, law_from = (own[name], None) if choice is None else build(prepared, name, choice)
         figures[name] = {"kind": kind, "law_from": law_from, "overall": {}, "by_phase": {}}
-        if not len(record.time) or np.isnan(record.z).all():
+        start = begins(prepared, name, sensors, record, flight)
+        if start is None:
             continue  # never in sight: n/a, not an error
-        tracked[name] = Tracked(_follow(prepared, flight, name, tracker, record, number), record, law_from)
+        record = _since(record, start)
+        tracked[name] = Tracked(_follow(prepared, flight, name, tracker, record, start, number), record, law_from)
         figures[name] |= _judge(prepared, flight, sensors, tracked[name])
     return tracked, figures
 
@@ -154,15 +155,32 @@ def measurement_model(sensors: dict[str, Any], height: float, name: str) -> Any:
     return models[0] if len(models) == 1 else Stacked(tuple(models))
 
 
-def begins(prepared: Prepared, name: str, record: Measurements, flight: Flight) -> float:
-    """When a track begins, s: with the first look, or with the flight where the autopilot flies on it."""
+def begins(
+    prepared: Prepared, name: str, sensors: tuple[str, ...], record: Measurements, flight: Flight
+) -> float | None:
+    """When a track begins, s: with the first look at the place, or with the flight where the autopilot flies on it.
+
+    A downlink says how the aircraft moves, not where it is, and begins no track. None = no sensor ever saw anything.
+    """
+    looking = tuple(s for s in sensors if not hasattr(prepared.scenario.sensors[s], "load_factor_sigma"))
+    rows = [i for i, channel in enumerate(record.channels) if channel.rpartition(".")[0] in looking]
+    seen = np.isfinite(record.z[:, rows]).any(axis=(1, 2)) if len(record.time) else np.zeros(0, bool)
+    if not seen.any():
+        return None
     if prepared.scenario.autopilot.navigation == name:
         return float(flight.time[0])
-    return float(record.arrival.min())
+    return float(record.arrival[seen].min())
 
 
-def _follow(prepared: Prepared, flight: Flight, name: str, tracker: Any, record: Measurements, number: int) -> Track:
-    start = begins(prepared, name, record, flight)
+def _since(record: Measurements, start: float) -> Measurements:
+    """What arrives from ``start`` on."""
+    kept = record.arrival >= start
+    return Measurements(record.channels, record.time[kept], record.arrival[kept], record.z[kept], record.R[kept])
+
+
+def _follow(
+    prepared: Prepared, flight: Flight, name: str, tracker: Any, record: Measurements, start: float, number: int
+) -> Track:
     sensors = prepared.scenario.sensors
     try:
         prior = components.prior(
@@ -174,8 +192,6 @@ def _follow(prepared: Prepared, flight: Flight, name: str, tracker: Any, record:
 
 
 def _judge(prepared: Prepared, flight: Flight, names: tuple[str, ...], tracked: Tracked) -> dict[str, Any]:
-    from tracking import consistency  # imports scipy.stats, which a run without trackers does not need
-
     sensors = {name: prepared.scenario.sensors[name] for name in names}
     track, record = tracked.track, tracked.measurements
     truth = channels.truth_at(flight, track.time)
@@ -202,7 +218,7 @@ def _judge(prepared: Prepared, flight: Flight, names: tuple[str, ...], tracked: 
         squares = channels.normalised(first)
         anees = consistency.mean_interval(np.mean(squares, axis=0) / dimension)
         figures |= {"anees": anees.value, "anees_low": anees.low, "anees_high": anees.high}
-        figures["lost_fraction"] = _lost(squares, dimension)
+        figures["lost_fraction"] = float(np.mean(consistency.lost(squares, dimension)))
     rows = np.isfinite(track.white).sum(axis=1)
     if rows.any():
         figures["anis"] = float(np.sum(np.where(rows > 0, track.nis, 0.0)) / rows.sum())
@@ -211,8 +227,6 @@ def _judge(prepared: Prepared, flight: Flight, names: tuple[str, ...], tracked: 
 
 def _figure(squares: np.ndarray, raw: np.ndarray) -> dict[str, float | None]:
     """RMSE over epochs and draws with an interval over draws, beside that of the raw measurements."""
-    from tracking import consistency
-
     own = consistency.rmse(squares.mean(axis=0))
     figure: dict[str, float | None] = {"rmse": own.value, "low": own.low, "high": own.high, "raw": None, "gain": None}
     finite = np.isfinite(raw)
@@ -221,15 +235,3 @@ def _figure(squares: np.ndarray, raw: np.ndarray) -> dict[str, float | None]:
         common = float(np.sqrt(np.mean(squares[finite])))
         figure["gain"] = figure["raw"] / common if common else None
     return figure
-
-
-def _lost(normalised: np.ndarray, dimension: int) -> float:
-    """Share of draws that were outside their own ellipse for a while, or not finite."""
-    from scipy.stats import chi2
-
-    outside = ~(normalised <= chi2.ppf(ELLIPSE, dimension))
-    streak, longest = np.zeros(outside.shape[1]), np.zeros(outside.shape[1])
-    for row in outside:
-        streak = (streak + 1) * row
-        longest = np.maximum(longest, streak)
-    return float(np.mean((longest >= LOST_AFTER) | ~np.isfinite(normalised).all(axis=0)))

@@ -24,6 +24,7 @@ class Measurements:
     arrival: Any  # (k,) s, when it was known
     z: Any  # (k, m, *B)
     R: Any  # (k, m, m, *C)
+    candidates: Any = None  # (k, c, m, *B) plots among which the target's may be, NaN = fewer than c; for association
 
     def __post_init__(self) -> None:
         m = len(self.channels)
@@ -49,7 +50,8 @@ class Measurements:
     def runs(self, chosen: slice) -> Measurements:
         """The measurements of some runs (a slice of the last axis)."""
         R = self.R if np.ndim(self.R) == 3 or self.R.shape[-1] == 1 else self.R[..., chosen]
-        return Measurements(self.channels, self.time, self.arrival, self.z[..., chosen], R)
+        candidates = None if self.candidates is None else self.candidates[..., chosen]
+        return Measurements(self.channels, self.time, self.arrival, self.z[..., chosen], R, candidates)
 
 
 class Track(NamedTuple):
@@ -132,10 +134,11 @@ def follow(
         now <= arrival[order[0]], f"the prior holds at {now:g} s, after the first arrival at {arrival[order[0]]:g} s"
     )
     steer = tracker.steer if isinstance(tracker, TimeStamped) else None
-    nothing = np.isnan(measurements.z).all(axis=tuple(range(1, batch + 2))).tolist()
+    plots = measurements.z if measurements.candidates is None else measurements.candidates
+    nothing = np.isnan(plots).all(axis=tuple(range(1, plots.ndim))).tolist()
     for index in order.tolist():
         known = float(arrival[index])
-        z, R, present = measurements.z[index], lift(measurements.R[index], 2, batch), not nothing[index]
+        z, R, present = plots[index], lift(measurements.R[index], 2, batch), not nothing[index]
         with np.errstate(divide="ignore", invalid="ignore"):  # a lost run is a result: it goes on as NaN
             if present and steer is not None and time[index] < known:
                 state, _ = tracker.step(state, known - now, None, None)
@@ -203,7 +206,9 @@ def _checked(prior: Gaussian, batch: int) -> Gaussian:
     _require(n > 0 and cov.shape[:2] == (n, n), f"a prior of {n} states needs a covariance ({n}, {n}), not {cov.shape}")
     _require(mean.ndim - 1 <= batch and cov.ndim - 2 <= batch, "the prior has more batch axes than the measurements")
     _require(bool(np.isfinite(mean).all() and np.isfinite(cov).all()), "the prior must be finite")
-    _require(np.allclose(cov, cov.swapaxes(0, 1), rtol=1e-9, atol=0.0), "the prior's covariance is not symmetric")
+    scale = np.sqrt(np.abs(np.einsum("ii...->i...", cov)))
+    skew = np.abs(cov - cov.swapaxes(0, 1))
+    _require(bool((skew <= 1e-9 * scale[:, None] * scale).all()), "the prior's covariance is not symmetric")
     _require(bool((np.einsum("ii...->i...", cov) >= 0.0).all()), "the prior's covariance has a negative variance")
     return Gaussian(lift(mean, 1, batch), lift(cov, 2, batch))
 

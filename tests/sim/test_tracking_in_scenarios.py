@@ -169,7 +169,7 @@ def test_sight_in_the_loop_is_the_track_of_the_record():
     records = observe(flight, s.sensors, s.seed, 0, 1)
     record = measurements(records, ("radar", "approach"))
     tracker, _ = build(prepared, "route", s.trackers["route"])
-    start = begins(prepared, "route", record, flight)
+    start = begins(prepared, "route", ("radar", "approach"), record, flight)
     prior = components.prior(flight, s.sensors, tracker.channels, start, s.seed, 0, 1)
     guide = navigator(prepared, 0)
     rows = [AircraftState(*row) for row in np.column_stack(flight.state).tolist()]
