@@ -21,7 +21,7 @@ from sim.output import claim, staged, write_json, write_npz
 from sim.preparation import Prepared, prepare
 from sim.scenario import Scenario, read
 from sim.toml import dumps
-from sim.trackers import Tracked, check, track
+from sim.trackers import Tracked, build, check, track
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,9 @@ def report(result: Result, folder: Path) -> None:
         metrics=result.metrics,
         versions=result.metrics["versions"],
         timing=result.timing,
-        tracks=result.metrics["trackers"],
+        tracked=result.tracks,
+        records=result.records,
+        built={name: build(result.prepared, name, choice)[0] for name, choice in scenario.trackers.items()},
     )
     _lap(result.timing, "report_s", lap)
 

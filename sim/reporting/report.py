@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from importlib import resources
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from sim.flight import Flight
 from sim.reporting import style
+from sim.reporting.beliefs import mode_names
 from sim.reporting.first_screen import first_screen
 from sim.reporting.histories import airframe_history, bank_history, error_history, final_errors, speed_history
 from sim.reporting.phase_portrait import phase_portrait
@@ -18,17 +19,11 @@ from sim.reporting.quantities import number, words
 from sim.reporting.rows import check_row, event_rows, halves, last_state, law_rows, scalar_rows, spread_rows
 from sim.reporting.sentence import first_clause
 from sim.reporting.sources import FLIGHT_DYNAMICS, aircraft_sources, sources, what_ran
+from sim.reporting.style import Chart
+from sim.reporting.tracker_charts import tracker_charts
 from sim.reporting.tracker_tables import tracker_tables
 from sim.reporting.vertical_profile import touchdown_view, vertical_profile
 from sim.toml import dumps
-
-
-class Chart(NamedTuple):
-    """A figure with what the reader should see in it."""
-
-    title: str
-    image: str  # data URI
-    caption: str
 
 
 def write(
@@ -40,7 +35,9 @@ def write(
     metrics: dict[str, Any],
     versions: dict[str, str],
     timing: dict[str, float],
-    tracks: dict[str, Any] | None = None,
+    tracked: dict[str, Any] | None = None,
+    records: dict[str, Any] | None = None,
+    built: dict[str, Any] | None = None,
 ) -> Path:
     """Write the report of one run; the file needs nothing but a browser.
 
@@ -48,8 +45,15 @@ def write(
     ----------
     scenario : the resolved Scenario        flight : the first flight        law : the law that flew
     metrics : as in metrics.json            versions, timing : name -> version, name -> s
-    tracks : name -> summary of a tracker, as in metrics.json under "trackers"; None = no trackers ran
+    tracked, records : name -> Tracked, name -> SensorRecord of the first flight
+    built : name -> tracker, which knows what its models are called
     """
+    trackers, tracked, records = metrics.get("trackers") or {}, tracked or {}, records or {}
+    modes = {
+        name: mode_names((built or {}).get(name), trackers[name]["kind"], one.track.model_probabilities.shape[1])
+        for name, one in tracked.items()
+        if one.track.model_probabilities is not None
+    }
     equations, papers, errata = sources(what_ran(scenario, law))
     page = _template().render(
         **first_screen(scenario, flight, metrics),
@@ -61,7 +65,8 @@ def write(
         last_state=last_state(flight),
         flight_rows=halves(scalar_rows(metrics["flight"])),
         spread=spread_rows(metrics.get("flights_summary", {})),
-        trackers=tracker_tables(tracks) if tracks else [],
+        trackers=tracker_tables(trackers) if trackers else [],
+        tracker_charts=tracker_charts(scenario, flight, trackers, tracked, records, modes) if tracked else [],
         draws=metrics.get("draws"),
         scenario_text=dumps(scenario.tables),
         law_rows=law_rows(law),

@@ -7,7 +7,7 @@ import contextlib
 import io
 import logging
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 WIDTH = 7.2  # in, of every figure: the text width of an A4 page
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.68, 0.12, 0.10, 0.40, 0.10  # in, so that the time axes of all figures agree
@@ -16,6 +16,9 @@ LEFT, RIGHT, TOP, BOTTOM, GAP = 0.68, 0.12, 0.10, 0.40, 0.10  # in, so that the 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
 LIGHT = "#E4E4E4"
+SHADE = "#DFE6EC"
+TRACKERS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, "#332288", "#7A5230", "#999933", "#444444")
+SOLID, DASHED = (1, 0), (3.2, 1.6)
 DARK = (BLACK, BLUE, VERMILION, GREEN)  # on which text is white
 
 PHASE_COLOURS = {
@@ -63,6 +66,14 @@ _STYLE = {
 }
 
 
+class Chart(NamedTuple):
+    """A figure with what the reader should see in it."""
+
+    title: str
+    image: str  # data URI
+    caption: str
+
+
 def phase_colour(name: str) -> str:
     """The colour of a phase, the same in every figure."""
     return PHASE_COLOURS.get(name, GREY)
@@ -100,6 +111,26 @@ def panels(*heights: float, share: bool = True, top: float = TOP, bottom: float 
         edge -= GAP
     for upper in axes[:-1] if share else ():
         upper.tick_params(labelbottom=False)
+    return figure, axes
+
+
+def grid(rows: int, columns: int, height: float, top: float = TOP) -> tuple[Any, list[Any]]:
+    """A figure of small axes of one height (in) in rows and columns, all on the scales of the first."""
+    from matplotlib.figure import Figure
+
+    row = height + 0.22  # room for a title
+    total = top + rows * row + BOTTOM
+    figure, axes = Figure((WIDTH, total)), []
+    width = (WIDTH - LEFT - RIGHT - GAP * (columns - 1)) / columns
+    for place in range(rows * columns):
+        down, across = divmod(place, columns)
+        box = (LEFT + across * (width + GAP), total - top - (down + 1) * row, width, height)
+        lengths = (WIDTH, total, WIDTH, total)
+        first = axes[0] if axes else None
+        axes.append(figure.add_axes([a / b for a, b in zip(box, lengths, strict=True)], sharex=first, sharey=first))
+        axes[-1].tick_params(labelleft=across == 0, labelbottom=down == rows - 1)
+        axes[-1].yaxis.set_label_coords(-0.56 / width, 0.5)
+        axes[-1].xaxis.set_label_coords(0.5, -0.28 / height)
     return figure, axes
 
 

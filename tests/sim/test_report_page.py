@@ -68,7 +68,7 @@ def written(tmp_path, flight, law=LAW, given=None, **more):
     metrics = {"flight": figures, "checks": judge(given.checks, flight, given.runway, figures), "seed": 1, "draws": 130}
     path = write(
         tmp_path / "report.html", scenario=given, flight=flight, law=law, metrics=metrics | more,
-        versions={"shortfinal": "0.1.0"}, timing={"fly_s": 1.0}, tracks=more.get("trackers"),
+        versions={"shortfinal": "0.1.0"}, timing={"fly_s": 1.0},
     )  # fmt: skip
     return Page(path.read_text(encoding="utf-8"))
 

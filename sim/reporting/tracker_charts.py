@@ -1,0 +1,102 @@
+"""All figures about the trackers of a run, in the order in which a reader asks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.flight import Flight
+from sim.reporting import style
+from sim.reporting.beliefs import anomaly_strip, model_probabilities
+from sim.reporting.followed import follow
+from sim.reporting.path_bound import path_bound
+from sim.reporting.style import Chart
+from sim.reporting.tracking_errors import (
+    consistency_over_time,
+    containment,
+    credibility,
+    error_by_phase,
+    error_over_time,
+    look_ahead_fan,
+)
+
+
+def tracker_charts(
+    scenario: Any,
+    flight: Flight,
+    trackers: dict[str, Any],
+    tracked: dict[str, Any],
+    records: dict[str, Any],
+    modes: dict[str, list[str]],
+) -> list[Chart]:
+    """Figures of trackers that saw something; ``trackers`` as in metrics.json."""
+    drawn: list[Chart] = []
+
+    def add(title: str, figure: Any, caption: str) -> None:
+        if figure is not None:
+            drawn.append(Chart(title, style.data_uri(figure), caption))
+
+    with style.drawing(), np.errstate(invalid="ignore", divide="ignore"):
+        followed = [one for one in follow(scenario, flight, tracked) if one.curves]
+        if followed:
+            bound = path_bound(flight, scenario.sensors, records)
+            add(
+                "Error over time",
+                error_over_time(flight, followed, bound),
+                "Root mean square over the draws at every epoch, on a logarithmic scale. Dashed: told a wrong law. "
+                "Dots: the measurements themselves."
+                + (
+                    " Dotted: the Cramér-Rao bound along this path of one who knows every acceleration and has only "
+                    "the first place and velocity to find; no tracker here is told as much."
+                    if bound is not None
+                    else ""
+                ),
+            )
+            add(
+                "Error by phase",
+                error_by_phase(flight, trackers, followed),
+                "Root mean square error with its 95 % interval, on a logarithmic scale; hatched: told a wrong law; "
+                "black line: the raw measurement.",
+            )
+            add(
+                "Does each tracker know how good it is?",
+                credibility(flight, followed),
+                "Between the lines lie 95 % of the errors over all draws, shaded is what the tracker's own covariance "
+                "promises. Lines outside the shade: too sure of itself. Lines to one side: biased. All panels have one "
+                "scale; what leaves the frame is larger.",
+            )
+            add(
+                "Consistency over time",
+                consistency_over_time(flight, followed),
+                "Mean normalised error squared (ANEES) and normalised innovation squared (NIS) per dimension: 1 where "
+                "covariances are right, and within the band in 95 % of the epochs of a consistent tracker.",
+            )
+        add(
+            "Model probabilities",
+            model_probabilities(flight, tracked, modes),
+            "What each tracker with several models believes, mean over the draws. A law's number is the factor on its "
+            "position limit.",
+        )
+        add(
+            "Measurement anomalies",
+            anomaly_strip(flight, scenario, tracked),
+            "Above: measured minus true angle of draw 0, linear within the dashed 2 σ of the stated accuracy and "
+            "logarithmic beyond. Below: the probability that the tracker gives to a worse accuracy than the stated.",
+        )
+        if followed:
+            inside = containment(flight, scenario, followed)
+            if inside is not None:
+                add(
+                    "Containment against the radar's azimuth norm",
+                    inside[0],
+                    "95th percentile over the draws of the cross-track error while the precision radar sees the "
+                    "aircraft. Norm: 0.6 % of the distance from the antenna, 9 m at least (Annex 10 I, 3.2.3.3.1, as "
+                    f"quoted in secondary sources). Epochs within it: {inside[1]}.",
+                )
+            add(
+                "Look-ahead",
+                look_ahead_fan(trackers, followed),
+                "Root mean square error of the place that was predicted so many seconds ahead.",
+            )
+    return drawn
