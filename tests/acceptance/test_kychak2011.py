@@ -335,7 +335,12 @@ def test_wrong_priors_hardly_matter(share, factor, row):
     experiment = glide(20117, chain=chain, factors=(1.0, factor))
     wrong = judge(SwitchingNoise(MEASURED), experiment).mse
     right = judge(SwitchingNoise(MEASURED, (1.0, factor), chain), experiment).mse
-    row(f"told (0.2, 30) where ({share}, {factor:g}) holds: loss in MSE", "<= 6 %", f"{wrong / right - 1:.1%}", True)
+    row(
+        f"told (0.2, 30) where ({share}, {factor:g}) holds: loss in MSE",
+        "<= 6 %",
+        f"{wrong / right - 1:.1%}",
+        wrong / right < 1.06,
+    )
     assert 0.99 < wrong / right < 1.06
 
 
@@ -376,7 +381,7 @@ def test_a_wide_prior_loses_some_runs(row):
     median_gain = np.median(found["Kalman"][0]) / np.median(found["two"][0])
     lost = found["two"][1]
     row("Kychak, prior of 1 deg: gain of means, of medians, lost after 1 s", "medians near 107, lost 0.3-1 %",
-        f"{mean_gain:.0f}, {median_gain:.0f}, {lost:.2%}", True)  # fmt: skip
+        f"{mean_gain:.0f}, {median_gain:.0f}, {lost:.2%}", abs(median_gain - 107) < 8 and 0.003 <= lost <= 0.01)  # fmt: skip
     assert mean_gain < 0.7 * median_gain
     assert median_gain > 80
     assert 0.001 < lost < 0.02
