@@ -381,7 +381,8 @@ def test_a_wide_prior_loses_some_runs(row):
     median_gain = np.median(found["Kalman"][0]) / np.median(found["two"][0])
     lost = found["two"][1]
     row("Kychak, prior of 1 deg: gain of means, of medians, lost after 1 s", "medians near 107, lost 0.3-1 %",
-        f"{mean_gain:.0f}, {median_gain:.0f}, {lost:.2%}", abs(median_gain - 107) < 8 and 0.003 <= lost <= 0.01)  # fmt: skip
+        f"{mean_gain:.0f}, {median_gain:.0f}, {lost:.2%}",
+        abs(median_gain - 107) < 8 and 0.003 <= lost <= 0.01)  # fmt: skip
     assert mean_gain < 0.7 * median_gain
     assert median_gain > 80
     assert 0.001 < lost < 0.02
