@@ -103,7 +103,7 @@ def _study(folder: Path, fly: Any, workers: int) -> None:
         typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}", err=True)
         raise typer.Exit(STOPPED) from None
     typer.echo(study_summary(metrics))
-    typer.echo(f"figures: {folder / 'metrics.json'}")
+    typer.echo(f"report: {folder / 'report.html'}")
     crashed = "crashed" in metrics["outcomes"]
     failed = any(check["passed"] is False for check in metrics["checks"])
     raise typer.Exit(FLIGHTS_CRASHED if crashed else CHECK_FAILED if failed else GOOD)

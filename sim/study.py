@@ -253,6 +253,8 @@ def _key(record: dict[str, Any]) -> tuple[int, int, int]:
 
 def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], dict[str, Any]]) -> dict[str, Any]:
     """Sort the log and write what all flights show; every file is whole or the old one."""
+    from sim.reporting.study_page import page
+
     lines = [folders.line(records[key]) for key in sorted(records)]
     ordered = [json.loads(line) for line in lines]  # as a resumed study reads them
     scenario = planned.scenario
@@ -266,6 +268,7 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
     }
     try:
         folders.replace(folder / folders.LOG, "".join(lines))
+        folders.replace(folder / "report.html", page(scenario, metrics, ordered))
         folders.replace_json(folder / "metrics.json", metrics)
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written: {error.strerror}; finished flights are kept") from None

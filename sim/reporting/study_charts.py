@@ -1,0 +1,167 @@
+"""Figures of a study: maps over two chosen axes, curves over one, distributions where everything is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sim.reporting import style
+from sim.reporting.quantities import split, words
+from sim.reporting.style import Chart
+
+MOST_LINES = 6
+OUTCOME_COLOURS = {
+    "completed": style.SKY,
+    "landed": style.GREEN,
+    "orbit": style.VERMILION,
+    "diverged": style.BLACK,
+    "envelope": style.PURPLE,
+    "go_around": style.ORANGE,
+    "ground": style.GREY,
+    "time_limit": style.LIGHT,
+    "crashed": "#FFFFFF",
+}
+
+
+class Scale(NamedTuple):
+    """An axis of a figure: where its values stand and what is written there."""
+
+    label: str
+    at: np.ndarray
+    ticks: tuple[str, ...] | None  # words instead of numbers
+
+
+def study_charts(
+    scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any]], shown: Sequence[str]
+) -> list[Chart]:
+    """One chart for each shown figure, and one of outcomes where they differ over a map."""
+    listed = [address for address, axis in metrics["axes"].items() if "values" in axis]
+    if not listed:
+        return [_distribution(name, records, metrics["checks"]) for name in shown]
+    if len(listed) == 1:
+        return [_curves(name, listed[0], None, metrics) for name in shown]
+    if min(len(metrics["axes"][address]["values"]) for address in listed[:2]) <= MOST_LINES:
+        few, many = sorted(listed[:2], key=lambda address: len(metrics["axes"][address]["values"]))
+        return [_curves(name, many, few, metrics) for name in shown]
+    charts = [_outcome_map(listed[0], listed[1], metrics)] if len(metrics["outcomes"]) > 1 else []
+    return charts + [_map(name, listed[0], listed[1], metrics) for name in shown]
+
+
+def scale(address: str, values: Sequence[Any]) -> Scale:
+    """Numbers where they are, words one beside the other."""
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return Scale(label(address), np.array(values, float), None)
+    return Scale(label(address), np.arange(len(values), dtype=float), tuple(map(str, values)))
+
+
+def label(name: str) -> str:
+    """A dotted name with its unit, for people."""
+    text, unit = split(name.removeprefix("trackers.").replace(".overall.", " ").replace(".", " "))
+    return f"{text}, {unit}" if unit else text
+
+
+def _set(axis: Any, scale: Scale) -> None:
+    axis.set_label_text(scale.label)
+    if scale.ticks is not None:
+        axis.set_ticks(scale.at, scale.ticks)
+
+
+def _first_of_the_rest(metrics: dict[str, Any], kept: Sequence[str]) -> list[dict[str, Any]]:
+    """Rows over the kept axes, at the first value of every other one."""
+    fixed = {
+        address: axis["values"][0]
+        for address, axis in metrics["axes"].items()
+        if "values" in axis and address not in kept
+    }
+    return [row for row in metrics["rows"] if all(row[address] == value for address, value in fixed.items())]
+
+
+def _table(metrics: dict[str, Any], x: str, y: str, get: Any) -> np.ndarray:
+    """(values of y, values of x) of something of each row."""
+    xs, ys = metrics["axes"][x]["values"], metrics["axes"][y]["values"]
+    table = np.full((len(ys), len(xs)), np.nan)
+    for row in _first_of_the_rest(metrics, (x, y)):
+        table[ys.index(row[y]), xs.index(row[x])] = get(row)
+    return table
+
+
+def _edges(at: np.ndarray) -> np.ndarray:
+    """Borders of the cells about the values."""
+    if len(at) == 1:
+        return np.array([at[0] - 0.5, at[0] + 0.5])
+    middle = (at[1:] + at[:-1]) / 2
+    return np.concatenate(([2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]))
+
+
+def _map(name: str, x: str, y: str, metrics: dict[str, Any]) -> Chart:
+    table = _table(metrics, x, y, lambda row: (row.get(name) or {}).get("p50", np.nan))
+    across, up = (scale(address, metrics["axes"][address]["values"]) for address in (x, y))
+    figure, (axes,) = style.panels(3.4)
+    axes.grid(False)
+    axes.set_facecolor(style.LIGHT)
+    mesh = axes.pcolormesh(_edges(across.at), _edges(up.at), table, cmap="viridis", linewidth=0)
+    figure.colorbar(mesh, ax=axes, label=label(name), pad=0.02)
+    _set(axes.xaxis, across)
+    _set(axes.yaxis, up)
+    caption = "Median of the flights of each cell; grey where no flight has the figure."
+    return Chart(label(name), style.data_uri(figure), caption)
+
+
+def _outcome_map(x: str, y: str, metrics: dict[str, Any]) -> Chart:
+    names = sorted(metrics["outcomes"])
+    table = _table(metrics, x, y, lambda row: names.index(max(sorted(row["outcomes"]), key=row["outcomes"].get)))
+    across, up = (scale(address, metrics["axes"][address]["values"]) for address in (x, y))
+    from matplotlib.colors import ListedColormap
+
+    figure, (axes,) = style.panels(3.4, top=0.3)
+    axes.grid(False)
+    colours = ListedColormap([OUTCOME_COLOURS.get(name, style.GREY) for name in names])
+    axes.pcolormesh(_edges(across.at), _edges(up.at), table, cmap=colours, vmin=-0.5, vmax=len(names) - 0.5)
+    for name in names:
+        axes.plot([], [], "s", color=OUTCOME_COLOURS.get(name, style.GREY), label=words(name))
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(names))
+    _set(axes.xaxis, across)
+    _set(axes.yaxis, up)
+    return Chart("Outcomes", style.data_uri(figure), "The commonest outcome of each cell.")
+
+
+def _curves(name: str, x: str, lines: str | None, metrics: dict[str, Any]) -> Chart:
+    across = scale(x, metrics["axes"][x]["values"])
+    figure, (axes,) = style.panels(2.6, top=0.3 if lines else style.TOP)
+    kept = (x,) if lines is None else (x, lines)
+    rows = _first_of_the_rest(metrics, kept)
+    for i, value in enumerate(metrics["axes"][lines]["values"] if lines else [None]):
+        chosen = [row for row in rows if lines is None or row[lines] == value]
+        spread = [row.get(name) or {} for row in chosen]
+        low, mid, high = (np.array([one.get(p, np.nan) for one in spread]) for p in ("p5", "p50", "p95"))
+        colour = style.TRACKERS[i]
+        text = None if lines is None else f"{label(lines)} = {value:g}" if isinstance(value, int | float) else value
+        axes.plot(across.at, mid, color=colour, marker="o", markersize=2.5, label=text)
+        axes.fill_between(across.at, low, high, color=colour, alpha=0.15, linewidth=0)
+    _limits(axes, name, metrics["checks"])
+    if lines is not None:
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
+    _set(axes.xaxis, across)
+    axes.set_ylabel(label(name))
+    return Chart(label(name), style.data_uri(figure), "Line: median of the flights; band: 5 % to 95 % of them.")
+
+
+def _distribution(name: str, records: Sequence[dict[str, Any]], checks: Sequence[dict[str, Any]]) -> Chart:
+    from sim.study_metrics import scalars
+
+    values = np.sort([v for record in records for key, v in scalars(record["metrics"]) if key == name])
+    figure, (axes,) = style.panels(2.6)
+    axes.step(values, np.arange(1, len(values) + 1) / len(records), where="post", color=style.BLUE)
+    _limits(axes, name, checks, vertical=True)
+    axes.set_ylim(0, 1.02)
+    axes.set_xlabel(label(name))
+    axes.set_ylabel("share of flights at or below")
+    return Chart(label(name), style.data_uri(figure), f"{len(values)} of {len(records)} flights have this figure.")
+
+
+def _limits(axes: Any, name: str, checks: Sequence[dict[str, Any]], vertical: bool = False) -> None:
+    for check in checks:
+        if check["metric"] == name:
+            (axes.axvline if vertical else axes.axhline)(check["limit"], color=style.VERMILION, linestyle="--", lw=0.8)
