@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import bisect
 import dataclasses
+import math
 import typing
 from typing import Annotated, Any, NamedTuple
 
@@ -54,15 +56,16 @@ def track(
     choices = {name: (choice.kind, choice.sensors, choice) for name, choice in prepared.scenario.trackers.items()}
     choices |= {name: ("own", tuple(records), None) for name in own}
     for name, (kind, sensors, choice) in choices.items():
-        record = measurements(records, sensors)
+        record = _between(measurements(records, sensors), -math.inf, float(flight.time[-1]))  # later ones come too late
         tracker, law_from = (own[name], None) if choice is None else build(prepared, name, choice)
         figures[name] = {"kind": kind, "law_from": law_from, "overall": {}, "by_phase": {}}
         start = begins(prepared, name, sensors, record, flight)
         if start is None:
             continue  # never in sight: n/a, not an error
-        record = _since(record, start)
+        record = _between(record, start, math.inf)
         tracked[name] = Tracked(_follow(prepared, flight, name, tracker, record, start, number), record, law_from)
-        figures[name] |= _judge(prepared, flight, sensors, tracked[name])
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
+            figures[name] |= _judge(prepared, flight, sensors, tracked[name])
     return tracked, figures
 
 
@@ -172,9 +175,9 @@ def begins(
     return float(record.arrival[seen].min())
 
 
-def _since(record: Measurements, start: float) -> Measurements:
-    """What arrives from ``start`` on."""
-    kept = record.arrival >= start
+def _between(record: Measurements, first: float, last: float) -> Measurements:
+    """What arrives from ``first`` to ``last`` (s)."""
+    kept = (record.arrival >= first) & (record.arrival <= last)
     return Measurements(record.channels, record.time[kept], record.arrival[kept], record.z[kept], record.R[kept])
 
 
@@ -219,10 +222,19 @@ def _judge(prepared: Prepared, flight: Flight, names: tuple[str, ...], tracked: 
         anees = consistency.mean_interval(np.mean(squares, axis=0) / dimension)
         figures |= {"anees": anees.value, "anees_low": anees.low, "anees_high": anees.high}
         figures["lost_fraction"] = float(np.mean(consistency.lost(squares, dimension)))
+        figures["lost_time_s"] = _lost_time(track.time, squares, dimension)
     rows = np.isfinite(track.white).sum(axis=1)
     if rows.any():
         figures["anis"] = float(np.sum(np.where(rows > 0, track.nis, 0.0)) / rows.sum())
     return figures
+
+
+def _lost_time(time: np.ndarray, squares: np.ndarray, dimension: int) -> float | None:
+    """When the first of the draws was lost, s; None = never."""
+    before = bisect.bisect_left(
+        range(len(time)), True, key=lambda k: consistency.lost(squares[: k + 1], dimension).any()
+    )
+    return float(time[before]) if before < len(time) else None
 
 
 def _figure(squares: np.ndarray, raw: np.ndarray) -> dict[str, float | None]:

@@ -1,0 +1,274 @@
+"""The bundled scenarios that join flights, sensors and trackers: they hold together, show what they say, take abuse.
+
+Full size with intervals: tests/acceptance/test_join_*.py.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from importlib import resources
+
+import numpy as np
+import pytest
+
+import sim
+from sim import catalogue
+from sim.errors import ScenarioError
+from sim.experiment import fly
+from sim.metrics import flight_metrics
+from sim.output import plain
+from sim.preparation import prepare
+from sim.scenario import read
+from sim.trackers import check
+from tracking.gaussian import Gaussian
+
+POINT_MASS = {"aircraft": {"model": "point_mass"}, "checks": []}
+SUFFICES = {"draws": 8, "seed": 4}
+
+
+def only(name, *trackers):
+    """The tables of some trackers of a bundled scenario."""
+    tables = read(name).tables["trackers"]
+    return {tracker: tables[tracker] for tracker in trackers}
+
+
+def overall(result, channel):
+    """RMSE of every tracker in one channel."""
+    return {name: found["overall"][channel]["rmse"] for name, found in result.metrics["trackers"].items()}
+
+
+@pytest.mark.parametrize("name", catalogue.scenarios())
+def test_every_bundled_scenario_says_what_it_shows_and_can_be_tracked(name):
+    text = (resources.files("sim.scenarios") / f"{name}.toml").read_text()
+    assert text.startswith("# ")
+    assert len(text.splitlines()[0]) > 20
+    scenario = read(name, {"aircraft": {"model": "point_mass"}})  # the catalogue judges the aircraft elsewhere
+    assert scenario.name == name
+    check(prepare(scenario))
+
+
+# ---- what the scenarios show, in small ---------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def captured():
+    names = ("linear_feedback", "saturated_control", "saturated_control_told_wrong", "intent_imm")
+    names += ("intent_imm_told_wrong", "constant_velocity")
+    changes = {**POINT_MASS, "trackers": only("vasylyev2003_jsbsim", *names), "until_s": 160.0}
+    return sim.run("vasylyev2003_jsbsim", overrides=changes, **SUFFICES)
+
+
+def test_saturated_control_holds_where_linear_feedback_breaks(captured):
+    rmse = overall(captured, "cross_track_m")
+    assert rmse["linear_feedback"] > 10 * rmse["saturated_control"]  # 33 at full size
+    assert rmse["saturated_control"] < 60.0  # raw is 100 m
+
+
+def test_a_law_told_wrongly_costs_and_the_intent_model_costs_least(captured):
+    rmse = overall(captured, "cross_track_m")
+    assert rmse["saturated_control_told_wrong"] > 3 * rmse["saturated_control"]  # 8 at full size
+    assert rmse["intent_imm_told_wrong"] < 0.5 * rmse["saturated_control_told_wrong"]
+
+
+def test_linear_feedback_wins_where_nothing_saturates():
+    trackers = only("vasylyev2003_jsbsim", "linear_feedback", "saturated_control")
+    changes = {**POINT_MASS, "trackers": trackers, "until_s": 160.0, "start.cross_track_m": 500.0}
+    rmse = overall(sim.run("vasylyev2003_jsbsim", overrides=changes, **SUFFICES), "cross_track_m")
+    assert rmse["saturated_control"] > 1.4 * rmse["linear_feedback"]  # 2.2 at full size
+
+
+@pytest.mark.parametrize(("side", "across"), [("left", 150.0), ("right", -150.0)])
+def test_the_improved_set_turns_either_way_and_the_published_one_to_the_left(side, across):
+    changes = {
+        **POINT_MASS,
+        "route.side": side,
+        "sensors.radar.position_m": [1200, across, 3],
+        "start.distance_m": 3500.0,
+        "until_s": 110.0,
+        "trackers": only("volovyk2022_jsbsim", "imm_published", "imm"),
+    }
+    rmse = overall(sim.run("volovyk2022_jsbsim", overrides=changes, **SUFFICES), "position_m")
+    assert rmse["imm"] < 100.0  # raw is 240 m here
+    assert (rmse["imm_published"] < 130.0) == (side == "left")
+
+
+def test_two_radars_cross_their_ranges():
+    changes = {**POINT_MASS, "start.distance_m": 3500.0, "until_s": 110.0}
+    rmse = overall(sim.run("two_radars", overrides=changes, **SUFFICES), "position_m")
+    assert rmse["both"] < 0.6 * min(rmse["approach"], rmse["abeam"])  # 0.38 at full size
+
+
+def test_bursts_are_survived_by_who_knows_that_they_last():
+    trackers = only("kychak2011_jsbsim", "two_hypotheses_bursts", "markov_bursts")
+    sensors = {"bursts": read("kychak2011_jsbsim").tables["sensors"]["bursts"]}
+    changes = {**POINT_MASS, "trackers": trackers, "sensors": sensors, "until_s": 30.0}
+    result = sim.run("kychak2011_jsbsim", overrides=changes, seed=4, draws=20)
+    rmse = overall(result, "bursts.elevation_deg")
+    assert rmse["markov_bursts"] < 0.5 * rmse["two_hypotheses_bursts"]  # 0.26 at full size
+
+
+def test_load_factors_help_in_the_turn():
+    changes = {
+        **POINT_MASS,
+        "start.distance_m": 3500.0,
+        "until_s": 80.0,
+        "trackers": only("glistin_jsbsim", "kinematic", "corrected_residual"),
+    }
+    result = sim.run("glistin_jsbsim", overrides=changes, seed=4, draws=30)
+    turn = {
+        name: found["by_phase"]["final_turn"]["radar.azimuth_deg"]["rmse"]
+        for name, found in result.metrics["trackers"].items()
+    }
+    assert turn["kinematic"] > 1.2 * turn["corrected_residual"]  # 1.56 at full size
+
+
+# ---- the loop closed ---------------------------------------------------------------------------------------------
+
+
+def approach(name, navigation, **changes):
+    tables = only(name, navigation)
+    scenario = read(name, {"autopilot.navigation": navigation, "trackers": tables, "checks": [], **changes})
+    prepared = prepare(scenario)
+    flight = fly(prepared)
+    return flight, flight_metrics(flight, scenario.runway, prepared.law.bank_limit)
+
+
+def test_a_talk_down_lands_in_the_box():
+    low = {"route.height_m": 150.0, "route.downwind_speed_mps": 60.0, "route.turn_speed_mps": 60.0}
+    place = {"start.distance_m": 5000.0, "start.cross_track_m": 30.0}  # just before the glide path begins
+    _, figures = approach("an26_talkdown", "saturated_control", **low, **place)
+    assert figures["outcome"] == "landed"
+    assert abs(figures["touchdown"]["cross_track_m"]) <= 21.0
+    assert abs(figures["cross_track_at_decision_height_m"]) <= 30.0
+    assert abs(figures["height_error_at_decision_height_m"]) <= 7.5
+
+
+def test_a_glide_path_through_an_elevation_holds_its_height_among_anomalies():
+    changes = {"aircraft": {"model": "point_mass"}, "start.distance_m": 4500.0, "until_s": 12.0}
+    errors = {}
+    for navigation in ("two_hypotheses", "kalman"):
+        flight, _ = approach("an26_mls_anomalies", navigation, **changes)
+        seen = flight.command.height - flight.state.height  # the error of the height that the autopilot sees
+        errors[navigation] = float(np.std(np.diff(seen)))
+    assert errors["two_hypotheses"] < 0.2 * errors["kalman"]
+
+
+# ---- bad input ---------------------------------------------------------------------------------------------------
+
+LINE = {
+    "name": "line",
+    "draws": 3,
+    "until_s": 60.0,
+    "route": {"kind": "legs", "legs": [{"from_m": [0, 0], "to_m": [9000, 0], "speed_mps": 90, "height_m": 500}]},
+    "start": {"leg": 0, "cross_track_m": 0.0},
+}
+RADAR = {"radar": {"kind": "surveillance_radar"}}
+
+
+@pytest.mark.parametrize("kind", catalogue.kinds("sensors"))
+def test_sensors_faster_than_the_flight_are_refused(kind):
+    with pytest.raises(ScenarioError, match="must be at least 1/120 s") as caught:
+        read({**LINE, "sensors": {"fast": {"kind": kind, "period_s": 0.008}}})
+    assert str(caught.value).count("\n") == 0
+
+
+def test_a_tracker_without_sensors_is_refused():
+    with pytest.raises(ScenarioError, match="needs at least one sensor"):
+        read({**LINE, "trackers": {"t": {"kind": "kalman"}}})
+
+
+@pytest.mark.parametrize("kind", ["elevation", "load_factor", "load_factor_cartesian", "switching_noise"])
+def test_a_tracker_whose_channels_no_sensor_gives_is_refused_in_one_sentence(kind):
+    prepared = prepare(read({**LINE, "sensors": RADAR, "trackers": {"t": {"kind": kind}}}))
+    with pytest.raises(ScenarioError, match=r"\[trackers.t\]") as caught:
+        check(prepared)
+    assert str(caught.value).count("\n") == 0
+
+
+@pytest.mark.parametrize(
+    "radar",
+    [
+        {"kind": "surveillance_radar", "period_s": 1.0, "position_m": [3600.0, 0.0, 500.0]},
+        {"kind": "precision_radar", "period_s": 1.0, "position_m": [3600.0, 0.0, 500.0], "sector_deg": 360},
+    ],
+)
+def test_a_radar_on_the_route_is_flown_over(radar):
+    """90 m/s and a look each second: the look at 40 s is taken at range zero."""
+    kinds = ("kalman", "saturated_control", "intent_imm", "imm", "filterpy_constant_velocity")
+    tables = {**LINE, "sensors": {"radar": radar}, "trackers": {kind: {"kind": kind} for kind in kinds}}
+    result = sim.run(tables)
+    for kind, figures in result.metrics["trackers"].items():
+        assert math.isfinite(figures["overall"]["position_m"]["rmse"]), kind
+
+
+def test_no_measurement_at_all_is_no_figure_and_no_error():
+    blind = {"blind": {"kind": "precision_radar", "coverage_m": 10}}
+    result = sim.run({**LINE, "sensors": blind, "trackers": {"t": {"kind": "route_control"}}})
+    assert result.metrics["trackers"]["t"]["overall"] == {}
+    never = {"blind": {"kind": "precision_radar", "sector_deg": 360, "detection": 0.0}}
+    result = sim.run({**LINE, "sensors": never, "trackers": {"t": {"kind": "imm"}}})
+    assert result.metrics["trackers"]["t"]["overall"] == {}
+
+
+def test_a_navigating_tracker_that_sees_nothing_flies_on_its_prior():
+    blind = {"blind": {"kind": "precision_radar", "coverage_m": 10}}
+    tables = {**LINE, "draws": 1, "sensors": blind, "trackers": {"t": {"kind": "route_control"}}}
+    result = sim.run({**tables, "autopilot": {"navigation": "t"}})
+    assert result.metrics["flight"]["outcome"] == "completed"
+
+
+def test_what_arrives_after_the_flight_was_never_heard():
+    sensors = {
+        "radar": {"kind": "precision_radar", "sector_deg": 360},
+        "late": {"kind": "downlink", "latency_s": 10_000.0},
+        "never": {"kind": "downlink", "silent_from_s": 0.0},
+    }
+    trackers = {link: {"kind": "load_factor_cartesian", "sensors": ["radar", link]} for link in ("late", "never")}
+    result = sim.run({**LINE, "sensors": sensors, "trackers": trackers})
+    assert result.tracks["late"].track.time[-1] <= result.flight.time[-1]
+    np.testing.assert_array_equal(result.tracks["late"].track.mean, result.tracks["never"].track.mean)
+
+
+@dataclass(frozen=True)
+class Diverging:
+    """Right until a time, then away: to a wrong place, or to no number at all."""
+
+    after: float
+    value: float
+    channels = ("north", "north_rate", "east", "east_rate")
+
+    def begin(self, prior):
+        return 0.0, prior
+
+    def step(self, state, dt, z, R):
+        time, gaussian = state
+        mean = np.array(gaussian.mean)
+        if time + dt > self.after:
+            mean[:] = self.value
+        elif z is not None:
+            mean[0::2] = z
+        return (time + dt, Gaussian(mean, gaussian.cov)), None
+
+    def estimate(self, state):
+        return state[1]
+
+
+@pytest.mark.parametrize("value", [1e6, math.nan, math.inf])
+def test_a_tracker_that_diverges_is_a_result_with_its_time(value):
+    sensors = {"radar": {"kind": "surveillance_radar", "period_s": 1.0, "position_sigma_m": 50.0}}
+    result = sim.run({**LINE, "sensors": sensors}, trackers={"mine": Diverging(20.0, value)})
+    figures = plain(result.metrics["trackers"]["mine"])
+    assert figures["lost_fraction"] == 1.0
+    # begun at the first look at 1 s; at once where there is no number, after ten epochs outside where there is
+    assert 21.0 < figures["lost_time_s"] <= (31.5 if math.isfinite(value) else 22.5)
+    held = figures["overall"]["position_m"]
+    assert held["rmse"] is None or held["rmse"] > 1e5
+    assert held["raw"] < 100.0
+
+
+def test_a_flight_that_never_loses_its_track_has_no_such_time(captured):
+    figures = captured.metrics["trackers"]
+    assert figures["saturated_control"]["lost_time_s"] is None
+    assert figures["linear_feedback"]["lost_fraction"] == 1.0
+    assert 4.0 < figures["linear_feedback"]["lost_time_s"] < 100.0
