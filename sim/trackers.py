@@ -18,8 +18,9 @@ from sim.parameters import GIVEN, construct
 from sim.preparation import Prepared
 from sim.scenario import TrackerChoice
 from tracking import consistency
+from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.measurement import DebiasedPolar, LinearMeasurement, Stacked
-from tracking.track import Measurements, Track
+from tracking.track import Measurements, Track, follow
 from tracking.track import track as run_tracker
 
 
@@ -63,7 +64,8 @@ def track(
         if start is None:
             continue  # never in sight: n/a, not an error
         record = _between(record, start, math.inf)
-        tracked[name] = Tracked(_follow(prepared, flight, name, tracker, record, start, number), record, law_from)
+        prior = _prior(prepared, flight, records, name, tracker, start, number)
+        tracked[name] = Tracked(run_tracker(tracker, record, prior, start=start), record, law_from)
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
             figures[name] |= _judge(prepared, flight, sensors, tracked[name])
     return tracked, figures
@@ -118,8 +120,21 @@ def _gives_place(sensor: Any) -> bool:
 
 def check(prepared: Prepared) -> None:
     """Build every tracker once, so that what cannot be tracked is told before anything flies."""
-    for name, choice in prepared.scenario.trackers.items():
-        build(prepared, name, choice)
+    choices = prepared.scenario.trackers
+    built = {name: build(prepared, name, choice)[0] for name, choice in choices.items()}
+    for name, choice in choices.items():
+        before, chain = choice.handover, [name]
+        while before is not None:
+            if before in chain:
+                raise ScenarioError(
+                    f"[trackers.{name}] handover: goes round in a circle, {' <- '.join([*chain, before])}"
+                )
+            chain.append(before)
+            before = choices[before].handover
+        if choice.handover is not None:
+            lacking = [c for c in built[name].channels if c not in built[choice.handover].channels]
+            if lacking:
+                raise ScenarioError(f"[trackers.{name}] handover: '{choice.handover}' does not estimate {lacking[0]}")
 
 
 def _told(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
@@ -181,17 +196,52 @@ def _between(record: Measurements, first: float, last: float) -> Measurements:
     return Measurements(record.channels, record.time[kept], record.arrival[kept], record.z[kept], record.R[kept])
 
 
-def _follow(
-    prepared: Prepared, flight: Flight, name: str, tracker: Any, record: Measurements, start: float, number: int
-) -> Track:
-    sensors = prepared.scenario.sensors
+def _prior(
+    prepared: Prepared,
+    flight: Flight,
+    records: dict[str, SensorRecord],
+    name: str,
+    tracker: Any,
+    start: float,
+    number: int,
+) -> Gaussian:
+    """What is known when a track begins: the estimate that is handed over, else the truth with an error."""
+    choice = prepared.scenario.trackers.get(name)
+    if choice is not None and choice.handover is not None:
+        handed = _handed_over(prepared, flight, records, choice.handover, tracker.channels, start, number)
+        if handed is not None:
+            return handed
+    draws = next(iter(records.values())).z.shape[2]
+    sensors, seed = prepared.scenario.sensors, prepared.scenario.seed
     try:
-        prior = components.prior(
-            flight, sensors, tracker.channels, start, prepared.scenario.seed, number, record.z.shape[2]
-        )
+        return components.prior(flight, sensors, tracker.channels, start, seed, number, draws)
     except KeyError as error:
         raise ScenarioError(f"[trackers.{name}] nothing is known of its component {error} when it begins") from None
-    return run_tracker(tracker, record, prior, start=start)
+
+
+def _handed_over(
+    prepared: Prepared,
+    flight: Flight,
+    records: dict[str, SensorRecord],
+    name: str,
+    wanted: tuple[str, ...],
+    start: float,
+    number: int,
+) -> Gaussian | None:
+    """What tracker ``name`` believes at ``start`` by all that it heard before; None = it had heard nothing yet."""
+    choice = prepared.scenario.trackers[name]
+    tracker, _ = build(prepared, name, choice)
+    record = _between(measurements(records, choice.sensors), -math.inf, math.nextafter(start, -math.inf))
+    begun = begins(prepared, name, choice.sensors, record, flight)
+    if begun is None:
+        return None
+    prior = _prior(prepared, flight, records, name, tracker, begun, number)
+    *_, last = follow(tracker, _between(record, begun, math.inf), prior, start=begun)
+    state, _ = tracker.step(last.state, start - last.time, None, None)
+    estimate = tracker.estimate(state)
+    mean, cov = merge(estimate) if isinstance(estimate, Mixture) else estimate
+    rows = [tracker.channels.index(component) for component in wanted]
+    return Gaussian(mean[rows], cov[np.ix_(rows, rows)])
 
 
 def _judge(prepared: Prepared, flight: Flight, names: tuple[str, ...], tracked: Tracked) -> dict[str, Any]:

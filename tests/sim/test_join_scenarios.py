@@ -272,3 +272,48 @@ def test_a_flight_that_never_loses_its_track_has_no_such_time(captured):
     assert figures["saturated_control"]["lost_time_s"] is None
     assert figures["linear_feedback"]["lost_fraction"] == 1.0
     assert 4.0 < figures["linear_feedback"]["lost_time_s"] < 100.0
+
+
+# ---- hand-over ---------------------------------------------------------------------------------------------------
+
+WATCHED = {
+    "far": {"kind": "surveillance_radar", "position_m": [-3000, 4000, 10]},
+    "near": {"kind": "precision_radar", "position_m": [9500, 100, 3], "coverage_m": 6000},
+}
+
+
+def test_a_track_that_is_handed_over_begins_where_the_other_was():
+    trackers = {
+        "watch": {"kind": "imm", "sensors": ["far"]},
+        "handed": {"kind": "imm", "sensors": ["near"], "handover": "watch"},
+        "cold": {"kind": "imm", "sensors": ["near"]},
+    }
+    result = sim.run({**LINE, "draws": 60, "sensors": WATCHED, "trackers": trackers})
+    watch, handed, cold = (result.tracks[name].track for name in trackers)
+    start = handed.time[0]
+    assert start == cold.time[0] > watch.time[3]
+    # 60 m along and 10 m across after a few looks of 4 s, against a prior of 100 m: it is known better, and honestly so
+    errors, spreads = [], []
+    for track in (handed, cold):
+        truth = np.interp(start, result.flight.time, result.flight.state.north)
+        errors.append(float(np.sqrt(np.mean((track.mean[0, 0] - truth) ** 2))))
+        spreads.append(float(np.sqrt(np.mean(track.cov[0, 0, 0]))))
+        assert 0.6 * spreads[-1] < errors[-1] < 1.5 * spreads[-1]
+    assert spreads[0] < spreads[1]
+    speed = [float(np.mean(np.sqrt(track.cov[0, 1, 1]))) for track in (handed, cold)]
+    assert speed[0] < speed[1]
+
+
+@pytest.mark.parametrize(
+    ("trackers", "said"),
+    [
+        ({"a": {"kind": "kalman", "handover": "b"}, "b": {"kind": "kalman", "handover": "a"}}, "round in a circle"),
+        (
+            {"a": {"kind": "kalman"}, "b": {"kind": "elevation", "sensors": ["near"], "handover": "a"}},
+            "'a' does not estimate near.elevation",
+        ),
+    ],
+)
+def test_a_handover_that_cannot_be_is_refused(trackers, said):
+    with pytest.raises(ScenarioError, match=said):
+        check(prepare(read({**LINE, "sensors": WATCHED, "trackers": trackers})))
