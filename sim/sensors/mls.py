@@ -13,6 +13,7 @@ from sim.interpolation import position_at
 from sim.randomness import Rows, Streams
 from sim.sensors._antenna import at_least_a_step, location, polar, positive, share
 from sim.tables import Runway
+from tracking.trackers.switching_noise import BeamNoise
 
 
 class Look(NamedTuple):
@@ -46,6 +47,7 @@ class Mls:
     position: Annotated[tuple[float, float, float], "m"] = (300.0, 120.0, 0.0)
     course: Annotated[float, "rad"] = math.pi
     sector: Annotated[float, "rad"] = math.radians(80.0)  # full width about the course
+    beam: BeamNoise | None = None  # live accuracy by the signal-to-noise ratio, which a receiver knows; replaces sigma
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
     def __post_init__(self) -> None:
@@ -95,7 +97,6 @@ class Mls:
     ) -> tuple[Look, list[tuple[float, float, np.ndarray, np.ndarray]]]:
         """Samples between two records: (epoch, arrival, z (1, draws), R (1, 1)); none outside the sector."""
         looks = []
-        R = np.array([[self.sigma**2]])
         epoch, anomalous, sign = look.epoch, look.anomalous, look.sign
         while epoch <= after.time:
             noise, luck = look.noise.row(), look.luck.row()
@@ -103,9 +104,11 @@ class Mls:
             anomalous = self._chain(anomalous, luck[0])
             sign = np.where(anomalous & ~was, np.where(luck[1] < 0.5, -1.0, 1.0), sign)
             place = position_at(before, after, epoch)
-            if abs(polar(place, self.antenna, self.zero_azimuth)[1]) <= self.sector / 2:
-                z = self._measured(self.truth(place)[:, None], noise, anomalous, sign)
-                looks.append((epoch, epoch, z, R))
+            distance, azimuth, _ = polar(place, self.antenna, self.zero_azimuth)
+            if abs(azimuth) <= self.sector / 2:
+                variance = self.sigma**2 if self.beam is None else float(self.beam.variance(distance))
+                z = self._measured(self.truth(place)[:, None], math.sqrt(variance) * noise, anomalous, sign)
+                looks.append((epoch, epoch, z, np.array([[variance]])))
             epoch += self.period
         return look._replace(epoch=epoch, anomalous=anomalous, sign=sign), looks
 
@@ -120,9 +123,9 @@ class Mls:
         return np.asarray(np.where(anomalous, luck >= leave, luck < enter))
 
     def _measured(self, exact: np.ndarray, noise: np.ndarray, anomalous: np.ndarray, sign: np.ndarray) -> np.ndarray:
-        nominal = exact + self.sigma * noise
+        nominal = exact + noise
         if self.anomalies == "dropouts":
             return np.where(anomalous, np.nan, nominal)
         if self.anomalies == "bias_bursts":
             return nominal + np.where(anomalous, sign * self.bias, 0.0)
-        return exact + np.where(anomalous, self.factor, 1.0) * self.sigma * noise
+        return exact + np.where(anomalous, self.factor, 1.0) * noise

@@ -128,6 +128,15 @@ def test_the_resolved_file_reads_back_as_the_same_scenario():
     assert read(first.tables) == first
 
 
+def test_a_table_inside_a_table_is_read_and_checked():
+    beam = {"snr_db": 5.4, "at_distance_m": 750, "floor_deg": 0.01}
+    scenario = read({**GOOD, "sensors": {"mls": {"kind": "mls", "beam": beam}}})
+    assert scenario.sensors["mls"].beam.floor == pytest.approx(math.radians(0.01))
+    assert read(scenario.tables) == scenario
+    told = faults(sensors={"mls": {"kind": "mls", "beam": {**beam, "snr": 3.0}}})
+    assert "snr: no such key; it needs its unit: snr_db" in told
+
+
 scalars = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8))
 values = st.recursive(
     scalars, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3)

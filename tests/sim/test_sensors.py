@@ -15,13 +15,18 @@ from sim.observation import measurements, observe
 from sim.randomness import Streams
 from sim.sensors._antenna import polar, wrapped
 from sim.tables import Runway
+from tracking.trackers.switching_noise import BeamNoise
 
 RUNWAY = Runway(heading=math.radians(80.0))
 KINDS = catalogue.kinds("sensors")
 VARIANTS = {
     "surveillance_radar": [{}, {"position_sigma": 100.0, "period": 0.31}],
     "precision_radar": [{}, {"accuracy": "constant", "period": 1 / 3, "detection": 0.9}],
-    "mls": [{}, {"angle": "azimuth", "position": (3500.0, 0.0, 2.0)}],
+    "mls": [
+        {},
+        {"beam": BeamNoise(snr=5.38, at_distance=750.0, floor=math.radians(0.02))},
+        {"angle": "azimuth", "position": (3500.0, 0.0, 2.0)},
+    ],
 }
 CASES = [(kind, variant) for kind in KINDS for variant in VARIANTS.get(kind, [{}])]
 
