@@ -1,0 +1,176 @@
+"""Scenario checks under pytest: every check of a ``*.scenario.toml`` is a test, and ``shortfinal`` flies any scenario.
+
+Heavy imports wait until something is flown, since every pytest run of the environment loads this module. A flight is
+flown once in a process; under pytest-xdist, ``--dist loadfile`` keeps the checks of a file in one.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+SUFFIX = ".scenario.toml"
+FLOWN = pytest.StashKey[dict[str, Any]]()  # of the session: results by resolved scenario
+USED = pytest.StashKey[list[Any]]()  # of an item: the results that it looked at
+UNIT_WORDS = {"mps": "m/s", "degps": "deg/s", "": ""}
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """``--shortfinal-report=DIR``."""
+    group = parser.getgroup("shortfinal", "scenario checks")
+    group.addoption(
+        "--shortfinal-report",
+        metavar="DIR",
+        type=Path,
+        help="keep the run folder with its report of every scenario whose test failed",
+    )
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Scenario files by their name."""
+    return ScenarioFile.from_parent(parent, path=file_path) if file_path.name.endswith(SUFFIX) else None
+
+
+class ScenarioFile(pytest.File):
+    """A scenario with its checks; a file that cannot be flown is one collection error in the words of ``validate``."""
+
+    def collect(self) -> Iterator[pytest.Item]:
+        """One item for each check, or one that flies a scenario without any."""
+        from autopilot.approach import PHASES
+        from sim.checks import refuse_unknown
+        from sim.errors import ScenarioError
+        from sim.scenario import read
+
+        try:
+            checks = read(self.path).checks
+        except ScenarioError as error:
+            raise self.CollectError(str(error)) from None
+        faults = refuse_unknown(checks, PHASES)
+        if faults:
+            raise self.CollectError("\n".join(f"{self.path}: {fault}" for fault in faults))
+        names: dict[str, int] = {}
+        for index, check in enumerate(checks):
+            name = check.name or check.metric
+            names[name] = names.get(name, 0) + 1
+            number = f" ({names[name]})" if names[name] > 1 else ""
+            yield CheckItem.from_parent(self, name=f"{name}{number}", index=index)
+        if not checks:
+            yield CheckItem.from_parent(self, name="flies", index=None)
+
+
+class CheckItem(pytest.Item):
+    """One check of a scenario."""
+
+    def __init__(self, *, index: int | None, **given: Any) -> None:
+        super().__init__(**given)
+        self.index = index
+
+    def runtest(self) -> None:
+        """Fly the scenario, unless a check before this one did, and look at one of its checks."""
+        result = fly(self, self.path)
+        if self.index is None:
+            return
+        check = result.metrics["checks"][self.index]
+        if check["passed"] is None:
+            pytest.skip(f"{check['metric']}: no {phases(check)} was flown")
+        if not check["passed"]:
+            raise CheckBroken(broken(check))
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *arguments: Any) -> Any:
+        """A broken check and a scenario at fault in their own words, anything else in full."""
+        from sim.errors import ScenarioError
+
+        if isinstance(excinfo.value, CheckBroken | ScenarioError):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, *arguments)
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """Where the check stands."""
+        return self.path, None, f"{self.path.name}: {self.name}"
+
+
+class CheckBroken(ValueError):
+    """A check that the flight did not keep."""
+
+
+def phases(check: dict[str, Any]) -> str:
+    """The phases of a check in words."""
+    during = check["during"]
+    return during if isinstance(during, str) else " or ".join(during)
+
+
+def broken(check: dict[str, Any]) -> str:
+    """What was asked, what was flown, when, and who asks."""
+    unit = UNIT_WORDS.get(check["unit"], check["unit"])
+    limit = f"{check['limit']:g} {unit}".strip()
+    if check["value"] is None:
+        return f"{check['name']}: the flight has no {check['metric']}, limit {limit}; source: {check['source']}"
+    when = "" if check["time_s"] is None else f" at {check['time_s']:.1f} s"
+    statistic = "" if check["statistic"] == "max" else f" ({check['statistic']})"
+    lasting = f" for {check['for_s']:g} s" if check["for_s"] else ""
+    value = f"{check['value']:.4g} {unit}".strip()
+    return (
+        f"{check['name']}: {check['metric']}{statistic} = {value}{lasting}{when}, limit {limit}, "
+        f"beyond it by {-check['margin']:.4g} {unit}".rstrip()
+        + f"; source: {check['source'] or 'not given'}"
+    )
+
+
+def fly(item: pytest.Item, source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Any:
+    """The result of a scenario, flown once in a pytest run however many tests look at it."""
+    import sim
+    from sim.scenario import read
+
+    scenario = read(source, overrides)
+    flown = item.session.stash.setdefault(FLOWN, {})
+    key = json.dumps(scenario.tables, sort_keys=True)
+    if key not in flown:
+        flown[key] = sim.run(scenario)
+    item.stash.setdefault(USED, []).append(flown[key])
+    return flown[key]
+
+
+@pytest.fixture
+def shortfinal(request: pytest.FixtureRequest) -> Callable[..., Any]:
+    """Run a scenario: ``shortfinal("an26_pattern", {"wind.speed_mps": 8})`` is the ``sim.Result``.
+
+    The scenario is a bundled name, a file beside the test, a path or a dict of tables; ``seed``, ``flights`` and
+    ``draws`` may be named. The same scenario is flown once.
+    """
+
+    def run(source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None, **given: int) -> Any:
+        beside = request.path.parent / source if isinstance(source, str | Path) else None
+        found = beside if beside is not None and beside.is_file() else source
+        return fly(request.node, found, {**(overrides or {}), **given})
+
+    return run
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Any:
+    """Keep the run folders that a failed test looked at, where they are asked for."""
+    report = yield
+    folder = item.config.getoption("--shortfinal-report")
+    if folder is not None and report.when == "call" and report.failed:
+        for result in item.stash.get(USED, []):
+            report.sections.append(("shortfinal", f"report: {keep(result, folder) / 'report.html'}"))
+    return report
+
+
+def keep(result: Any, folder: Path) -> Path:
+    """Write the folder of a run, named after its scenario; each xdist worker writes its own."""
+    from sim.experiment import report
+    from sim.output import claim, staged, write_json
+
+    worker = os.environ.get("PYTEST_XDIST_WORKER")
+    place = folder / (f"{result.scenario.name}-{worker}" if worker else result.scenario.name)
+    claim(place)
+    with staged(place) as whole:
+        report(result, whole)
+        write_json(whole / "timing.json", result.timing)
+    return place

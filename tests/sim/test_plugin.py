@@ -1,0 +1,140 @@
+"""The plugin in a foreign project that has nothing of ours but the wheel."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENARIO = """
+until_s = 4
+draws = 2
+[route]
+kind = "legs"
+[[route.legs]]
+from_m = [0, 0]
+to_m = [20000, 0]
+speed_mps = 72
+height_m = 600
+[start]
+leg = 0
+cross_track_m = 3000
+"""
+GOOD = """
+[[checks]]
+name = "bank"
+metric = "bank_deg"
+max = 16
+source = "autopilot limit"
+"""
+BAD = """
+[[checks]]
+name = "tight bank"
+metric = "bank_deg"
+max = 2
+source = "no airline"
+"""
+UNFLOWN = """
+[[checks]]
+metric = "sink_mps"
+during = "glide"
+max = 5
+source = "stabilised approach"
+"""
+TESTS = """
+def test_an_override_changes_the_flight(shortfinal):
+    wide = shortfinal("line.scenario.toml")
+    narrow = shortfinal("line.scenario.toml", {"autopilot.bank_limit_deg": 5})
+    assert narrow.metrics["flight"]["bank_max_deg"] < wide.metrics["flight"]["bank_max_deg"]
+
+def test_the_same_scenario_is_flown_once(shortfinal):
+    assert shortfinal("line.scenario.toml") is shortfinal("line.scenario.toml", seed=1)
+    assert shortfinal("line.scenario.toml", seed=2) is not shortfinal("line.scenario.toml")
+
+def test_a_scenario_at_fault(shortfinal):
+    shortfinal("line.scenario.toml", {"wind.sped_mps": 5})
+"""
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """A folder into which the wheel was unpacked, entry points and all."""
+    pytest.importorskip("hatchling")
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
+    subprocess.run(build, cwd=ROOT, check=True, capture_output=True, timeout=120)
+    (wheel,) = folder.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(folder / "site")
+        names = archive.namelist()
+    assert {name.split("/")[0] for name in names} >= {"sim", "autopilot", "tracking", "aircraft"}
+    assert not [name for name in names if name.startswith("tests")]
+    return folder / "site"
+
+
+@pytest.fixture
+def project(tmp_path, installed):
+    """A foreign project, and pytest in it."""
+    folder = tmp_path / "project"
+    folder.mkdir()
+    (folder / "line.scenario.toml").write_text(SCENARIO + GOOD + BAD + UNFLOWN)
+
+    def call(*arguments):
+        kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+        environment = {**kept, "PYTHONPATH": str(installed), "OPENBLAS_NUM_THREADS": "1", "PY_COLORS": "0"}
+        command = [sys.executable, "-m", "pytest", "--rootdir", str(folder), "-p", "no:cacheprovider", *arguments]
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
+        return done.returncode, done.stdout + done.stderr
+
+    call.folder = folder
+    return call
+
+
+def test_every_check_is_a_test_and_a_failure_says_what_when_and_why(project):
+    (project.folder / "test_flights.py").write_text(TESTS)
+    code, told = project("-v", "--strict-markers", "--shortfinal-report=kept", "-rs")
+    assert code == 1, told
+    assert "line.scenario.toml::bank PASSED" in told
+    assert "line.scenario.toml::tight bank FAILED" in told
+    assert "line.scenario.toml::sink_mps SKIPPED" in told
+    assert "no glide was flown" in told
+    said = re.search(
+        r"tight bank: bank_deg = (\S+) deg at (\S+) s, limit 2 deg, beyond it by (\S+) deg; source: no a", told
+    )
+    assert said, told
+    assert float(said[1]) - 2 == pytest.approx(float(said[3]), abs=0.01)  # four figures are printed
+    assert "test_an_override_changes_the_flight PASSED" in told
+    assert "test_the_same_scenario_is_flown_once PASSED" in told
+    assert "test_a_scenario_at_fault FAILED" in told
+    assert "did you mean 'speed_mps'?" in told
+    assert "report: kept/line/report.html" in told
+    assert (project.folder / "kept/line/report.html").stat().st_size > 10_000
+    assert [path.name for path in (project.folder / "kept").iterdir()] == ["line"]
+
+
+def test_a_broken_file_is_one_collection_error_with_file_and_key(project):
+    (project.folder / "line.scenario.toml").write_text(SCENARIO)
+    (project.folder / "typo.scenario.toml").write_text(SCENARIO.replace("cross_track_m", "cross_trak_m") + GOOD)
+    (project.folder / "phase.scenario.toml").write_text(SCENARIO + UNFLOWN.replace("glide", "glyde"))
+    code, told = project("--continue-on-collection-errors", "-v")
+    assert code == 1, told
+    assert "Traceback" not in told
+    assert re.search(r"typo\.scenario\.toml: \[start\] cross_trak_m: no such key; did you mean 'cross_track_m'\?", told)
+    assert "no phase 'glyde'" in told
+    assert "line.scenario.toml::flies PASSED" in told
+    assert "2 errors" in told
+
+
+def test_xdist_flies_the_checks_of_a_file_in_one_worker(project):
+    pytest.importorskip("xdist")
+    code, told = project("-n", "2", "--dist", "loadfile", "-v", "--shortfinal-report=kept")
+    assert code == 1, told
+    assert "1 failed, 1 passed, 1 skipped" in told
+    assert len(set(re.findall(r"\[(gw\d)\] .*line\.scenario", told))) == 1
+    assert len(list((project.folder / "kept").iterdir())) == 1
