@@ -13,7 +13,7 @@ from sim.reporting.histories import STRIP, TIME
 from sim.reporting.quantities import words
 from sim.reporting.thinning import peaks
 
-BINS = 220
+BINS = 600
 MOST_SAMPLES = 2500  # points of the anomaly strip
 MODES = ("#08519C", "#3182BD", "#6BAED6", "#9ECAE1", "#C6DBEF")  # laws, from the least limit to the greatest
 FREE = ("#FDD0A2", "#D94801", "#7F2704", "#A1A1A1")

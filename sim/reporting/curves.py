@@ -54,7 +54,9 @@ def phase_strip(axes: Any, flight: Flight) -> None:
         spans.setdefault(name, []).append((begin, end - begin))
         if (end - begin) / span * (style.WIDTH - style.LEFT - style.RIGHT) > CHARACTER * len(name) + 0.02:
             colour = "white" if style.phase_colour(name) in style.DARK else "black"
-            axes.text((begin + end) / 2, 0.46, words(name), ha="center", va="center", fontsize=6.5, color=colour)
+            axes.text(
+                (begin + end) / 2, 0.46, words(name), ha="center", va="center", fontsize=6.5, color=colour, clip_on=True
+            )
     for name, places in spans.items():
         axes.broken_barh(places, (0, 1), color=style.phase_colour(name), linewidth=0)
     axes.set_xlim(float(time[0]), float(time[0]) + span)

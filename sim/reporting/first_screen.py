@@ -8,9 +8,11 @@ import numpy as np
 
 from aircraft.data import data
 from sim.flight import Flight
+from sim.reporting.followed import Followed
 from sim.reporting.quantities import decimals, number, split, words
 from sim.reporting.rows import check_name
 from sim.reporting.sentence import what_happened
+from sim.reporting.winner import who_won
 
 KEY_FIGURES = (
     ("duration_s", "flight time"),
@@ -29,7 +31,7 @@ KEY_FIGURES = (
 TENTHS = ("duration_s", "time_saturated_s", "settling_s")
 
 
-def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any]) -> dict[str, Any]:
+def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any], followed: list[Followed]) -> dict[str, Any]:
     """What the head of the page is filled with."""
     checks = metrics.get("checks", [])
     failed = [check_name(check) for check in checks if check["passed"] is False]
@@ -37,6 +39,7 @@ def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any]) -> dict
         "name": scenario.name,
         "subtitle": _subtitle(scenario, metrics),
         "sentence": what_happened(flight, metrics["flight"], checks),
+        "winner": who_won(flight, metrics.get("trackers") or {}, followed),
         "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed"),
         "failed": failed,
         "others": _outcomes(metrics.get("flights_summary", {}).get("outcomes", {})),

@@ -24,6 +24,16 @@ class Curves(NamedTuple):
     high: np.ndarray  # (k,)
     p95: np.ndarray  # (k,) 95th percentile of the size of the error
     anees: np.ndarray  # (k,) mean normalised error squared per dimension
+    of_draws: np.ndarray  # (draws,) mean squared error over the epochs that were measured
+
+
+class Shown(NamedTuple):
+    """Where one draw of a tracker was, for maps; NaN where it did not know or had seen nothing yet."""
+
+    place: np.ndarray  # (k, 2) m north, east
+    spread: np.ndarray  # (k, 2, 2) m2
+    height: np.ndarray  # (k,) m; of an angle, at the true distance
+    height_sigma: np.ndarray  # (k,) m
 
 
 class Followed(NamedTuple):
@@ -39,6 +49,8 @@ class Followed(NamedTuple):
     curves: dict[str, Curves]
     nis: np.ndarray  # (k,) mean normalised innovation squared per measured component
     nis_samples: np.ndarray  # (k,) how many measured components are behind each
+    sensors: tuple[str, ...]
+    shown: Shown  # draw 0
 
 
 def follow(scenario: Any, flight: Flight, tracked: dict[str, Any]) -> list[Followed]:
@@ -72,7 +84,33 @@ def _one(scenario: Any, flight: Flight, name: str, look: dict[str, Any], one: An
         samples = np.isfinite(track.white).sum(axis=(1, 2))
         nis = np.where(samples > 0, np.nansum(track.nis, axis=1) / np.maximum(samples, 1), np.nan)
     draws = track.mean.shape[2]
-    return Followed(name, one.law_from, look, track.time, truth.phase, truth.leg, draws, curves, nis, samples)
+    first = _first_seen(plots)
+    curves = {c: Curves(*(_from(first, values) for values in it[:-1]), it.of_draws) for c, it in curves.items()}
+    shown = Shown(*(_from(first, values) for values in _shown(truth, sensors, compared)))
+    return Followed(
+        name, one.law_from, look, track.time, truth.phase, truth.leg, draws, curves, nis, samples, tuple(sensors), shown
+    )  # fmt: skip
+
+
+def _shown(truth: Any, sensors: dict[str, Any], compared: dict[str, Any]) -> Shown:
+    """Place and height of draw 0; the height of an elevation is that at the true distance from its antenna."""
+    k = len(truth.time)
+    place, spread, height, sigma = (np.full((k, *shape), np.nan) for shape in ((2,), (2, 2), (), ()))
+    if "position_m" in compared:
+        error, cov = compared["position_m"]
+        place, spread = truth.position[:2].T + error[..., 0], cov[..., 0]
+    angle = next((name for name in compared if name.endswith(".elevation_deg")), None)
+    if "height_m" in compared:
+        error, cov = compared["height_m"]
+        height, sigma = truth.position[2] + error[:, 0, 0], np.sqrt(cov[:, 0, 0, 0])
+    elif angle is not None:
+        error, cov = compared[angle]
+        antenna = np.array(sensors[angle.partition(".")[0]].antenna)[:, None]
+        distance = np.hypot(*(truth.position - antenna)[:2])
+        slope = distance * (1.0 + ((truth.position - antenna)[2] / distance) ** 2)  # d height / d elevation
+        height = truth.position[2] + slope * np.radians(error[:, 0, 0])
+        sigma = slope * np.radians(np.sqrt(cov[:, 0, 0, 0]))
+    return Shown(place, spread, height, sigma)
 
 
 def _curves(compared: Any, plots: Any) -> Curves:
@@ -86,6 +124,7 @@ def _curves(compared: Any, plots: Any) -> Curves:
         total = np.where(seen, measured, 0.0).sum(axis=1)
         raw = np.where(seen.any(axis=1), np.sqrt(total / np.maximum(seen.sum(axis=1), 1)), np.nan)
     low, high = np.percentile(compared.error[:, 0], LEVELS, axis=1) if compared.error.shape[1] == 1 else (nowhere,) * 2
+    looked = np.isfinite(raw) if np.isfinite(raw).any() else np.ones(len(raw), bool)
     return Curves(
         np.sqrt(squares.mean(axis=1)),
         np.sqrt(spread),
@@ -94,7 +133,21 @@ def _curves(compared: Any, plots: Any) -> Curves:
         high,
         np.sqrt(np.percentile(squares, 95.0, axis=1)),
         channels.normalised(compared).mean(axis=1) / compared.error.shape[1],
+        squares[looked].mean(axis=0),
     )
+
+
+def _first_seen(plots: dict[str, Any]) -> int:
+    """Epoch of the first measurement that says where the target is: before it a track is what was handed over."""
+    seen = [np.isfinite(plot.error).any(axis=(1, 2)) for plot in plots.values()]
+    return int(np.argmax(np.any(seen, axis=0))) if seen else 0
+
+
+def _from(first: int, values: np.ndarray) -> np.ndarray:
+    """The values from an epoch on, NaN before it."""
+    hidden = values.copy()
+    hidden[:first] = np.nan
+    return hidden
 
 
 def _looks(scenario: Any, tracked: dict[str, Any]) -> dict[str, dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""What nobody can beat on the flight that was flown: the bound of one who knows every control."""
+"""A reference line for the flight that was flown: the bound of one who knows every acceleration, but no route."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ def path_bound(flight: Flight, sensors: dict[str, Any], records: dict[str, Any])
     """Cramer-Rao bound of position from all radar plots of a flight for one who knows its accelerations exactly.
 
     Only the place and velocity at the first plot are unknown, with the prior of the trackers; constant velocity then
-    describes how their errors move, without process noise. Height is taken as known. None where nothing measures a
+    describes how their errors move, without process noise. Height is taken as known. Who is told the route and the law
+    knows more: where the autopilot steers; across the track such a tracker may be better. None where nothing measures a
     place.
     """
     from tracking import bounds  # imports scipy, which a report without trackers does not need
@@ -34,7 +35,8 @@ def path_bound(flight: Flight, sensors: dict[str, Any], records: dict[str, Any])
     stamps, informations = [], []
     for name, record in records.items():
         sensor = sensors[name]
-        if not len(record.time) or not {"azimuth", "range"} <= {*record.channels} and "north" not in record.channels:
+        place = "north" in record.channels or {"range", "azimuth"} <= {*record.channels}
+        if not len(record.time) or not place:
             continue
         thin = max(1, -(-len(record.time) // MOST))
         time, z, R = record.time[::thin], record.z[::thin], record.R[::thin]
@@ -43,8 +45,8 @@ def path_bound(flight: Flight, sensors: dict[str, Any], records: dict[str, Any])
         if "north" in record.channels:
             H[0, 0], H[1, 2] = 1.0, 1.0
         else:
-            place = truth_at(flight, time).position
-            H = bounds.polar_jacobian(place[0] - sensor.antenna[0], place[1] - sensor.antenna[1], CARTESIAN)
+            north, east, _ = truth_at(flight, time).position
+            H = bounds.polar_jacobian(north - sensor.antenna[0], east - sensor.antenna[1], CARTESIAN)
         seen = thin * np.isfinite(z).all(axis=1).mean(axis=1)
         each = bounds.information(H, np.moveaxis(R, 0, -1))
         stamps.append(time)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 from aircraft.units import SUFFIXES
@@ -41,11 +42,11 @@ def split(name: str) -> tuple[str, str]:
 
 
 def words(name: str) -> str:
-    """An identifier as words: ``final_turn`` is "final turn"."""
+    """An identifier as words: ``final_turn`` is "final turn", ``intent_imm`` is "intent IMM"."""
     text = name.replace("_", " ").replace(".", ": ")
     for plain, joined in _JOINED.items():
         text = text.replace(plain, joined)
-    return text
+    return re.sub(r"\bimm\b", "IMM", text)
 
 
 def decimals(*values: float | None) -> int:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -12,10 +14,12 @@ from sim.flight import Flight
 from sim.reporting import style
 from sim.reporting.beliefs import mode_names
 from sim.reporting.first_screen import first_screen
+from sim.reporting.followed import follow
 from sim.reporting.histories import airframe_history, bank_history, error_history, final_errors, speed_history
 from sim.reporting.phase_portrait import phase_portrait
 from sim.reporting.plan_view import plan_view
 from sim.reporting.quantities import number, words
+from sim.reporting.replay import replay
 from sim.reporting.rows import check_row, event_rows, halves, last_state, law_rows, scalar_rows, spread_rows
 from sim.reporting.sentence import first_clause
 from sim.reporting.sources import FLIGHT_DYNAMICS, aircraft_sources, sources, what_ran
@@ -54,9 +58,11 @@ def write(
         for name, one in tracked.items()
         if one.track.model_probabilities is not None
     }
+    followed = [one for one in follow(scenario, flight, tracked) if one.curves]
+    script = _file("replay.js")
     equations, papers, errata = sources(what_ran(scenario, law))
     page = _template().render(
-        **first_screen(scenario, flight, metrics),
+        **first_screen(scenario, flight, metrics, followed),
         charts=charts(flight, scenario, law),
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
         events=event_rows(flight),
@@ -66,7 +72,10 @@ def write(
         flight_rows=halves(scalar_rows(metrics["flight"])),
         spread=spread_rows(metrics.get("flights_summary", {})),
         trackers=tracker_tables(trackers) if trackers else [],
-        tracker_charts=tracker_charts(scenario, flight, trackers, tracked, records, modes) if tracked else [],
+        tracker_charts=tracker_charts(scenario, flight, trackers, tracked, followed, records, modes) if tracked else [],
+        replay=replay(flight, scenario, followed, records),
+        script=script,
+        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
         draws=metrics.get("draws"),
         scenario_text=dumps(scenario.tables),
         law_rows=law_rows(law),
@@ -87,7 +96,13 @@ def _template() -> Any:
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    return environment.from_string((resources.files("sim.reporting") / "report.html").read_text(encoding="utf-8"))
+    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
+    return environment.from_string(_file("report.html"))
+
+
+def _file(name: str) -> str:
+    """The text of a file beside this one."""
+    return (resources.files("sim.reporting") / name).read_text(encoding="utf-8")
 
 
 def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:

@@ -9,7 +9,7 @@ import numpy as np
 from sim.flight import Flight
 from sim.reporting import style
 from sim.reporting.beliefs import anomaly_strip, model_probabilities
-from sim.reporting.followed import follow
+from sim.reporting.followed import Followed
 from sim.reporting.path_bound import path_bound
 from sim.reporting.style import Chart
 from sim.reporting.tracking_errors import (
@@ -27,6 +27,7 @@ def tracker_charts(
     flight: Flight,
     trackers: dict[str, Any],
     tracked: dict[str, Any],
+    followed: list[Followed],
     records: dict[str, Any],
     modes: dict[str, list[str]],
 ) -> list[Chart]:
@@ -38,7 +39,6 @@ def tracker_charts(
             drawn.append(Chart(title, style.data_uri(figure), caption))
 
     with style.drawing(), np.errstate(invalid="ignore", divide="ignore"):
-        followed = [one for one in follow(scenario, flight, tracked) if one.curves]
         if followed:
             bound = path_bound(flight, scenario.sensors, records)
             add(
@@ -47,8 +47,8 @@ def tracker_charts(
                 "Root mean square over the draws at every epoch, on a logarithmic scale. Dashed: told a wrong law. "
                 "Dots: the measurements themselves."
                 + (
-                    " Dotted: the Cramér-Rao bound along this path of one who knows every acceleration and has only "
-                    "the first place and velocity to find; no tracker here is told as much."
+                    " Dotted: the Cramér-Rao bound on this path for one who knows every acceleration, but no route; "
+                    "across track a tracker that is told where the autopilot steers may come below it."
                     if bound is not None
                     else ""
                 ),
@@ -64,13 +64,14 @@ def tracker_charts(
                 credibility(flight, followed),
                 "Between the lines lie 95 % of the errors over all draws, shaded is what the tracker's own covariance "
                 "promises. Lines outside the shade: too sure of itself. Lines to one side: biased. All panels have one "
-                "scale; what leaves the frame is larger.",
+                "scale, linear near 0 and logarithmic beyond.",
             )
             add(
                 "Consistency over time",
                 consistency_over_time(flight, followed),
                 "Mean normalised error squared (ANEES) and normalised innovation squared (NIS) per dimension: 1 where "
-                "covariances are right, and within the band in 95 % of the epochs of a consistent tracker.",
+                "covariances are right, and within the band in 95 % of the epochs of a consistent tracker. What leaves "
+                "the frame is larger.",
             )
         add(
             "Model probabilities",

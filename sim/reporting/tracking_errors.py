@@ -17,7 +17,8 @@ from sim.reporting.thinning import peaks
 
 BINS = 160  # stretches of a curve whose least and greatest value are drawn
 COLUMNS = 3  # of the small panels
-CREDIBLE = 3.0  # times the median 2 sigma of all: the frame of the small panels
+CREDIBLE = 30.0  # times the median 2 sigma of all: the frame of the small panels, linear up to once that
+UNCREDIBLE = 1e3  # ANEES and NIS of lost trackers may leave the frame
 DECADES = 4.0  # most that a logarithmic axis shows
 
 
@@ -33,7 +34,9 @@ def error_over_time(flight: Flight, followed: list[Followed], bound: PathBound |
             thinned(axes, one.time, one.curves[channel].rmse, label=words(one.name), linewidth=1.0, **one.look)
         if bound is not None and channel in ("position_m", "cross_track_m"):
             limit = bound.position if channel == "position_m" else bound.cross_track
-            thinned(axes, bound.time, limit, color=style.BLACK, linewidth=1.2, dashes=(1, 1.2), label="bound")
+            thinned(
+                axes, bound.time, limit, color=style.BLACK, linewidth=1.2, dashes=(1, 1.2), label="known accelerations"
+            )
         logarithmic(axes)
         axes.set_ylabel(_label(channel, "RMSE"))
     panels[-1].set_xlabel(TIME)
@@ -55,12 +58,14 @@ def _raw(axes: Any, shown: list[Followed], channel: str) -> None:
 
 def credibility(flight: Flight, followed: list[Followed]) -> Any | None:
     """Figure with a panel for each tracker: 95 % of its signed errors against +-2 sigma of its own covariance."""
+    from matplotlib.ticker import FuncFormatter
+
     channel = next((c for c in ("cross_track_m", *shown_channels(followed)) if c != "position_m"), None)
     shown = [one for one in followed if channel in one.curves]
     if not shown:
         return None
     twice = np.concatenate([2 * one.curves[channel].sigma for one in shown])
-    frame = CREDIBLE * float(np.nanmedian(twice)) if np.isfinite(twice).any() else 1.0
+    scale = float(np.nanmedian(twice)) if np.isfinite(twice).any() else 1.0
     rows = -(-len(shown) // COLUMNS)
     figure, grid = style.grid(rows, min(COLUMNS, len(shown)), 0.95, top=0.34)
     for axes, one in zip(grid, shown, strict=False):
@@ -76,7 +81,12 @@ def credibility(flight: Flight, followed: list[Followed]) -> Any | None:
         axes.set_title(words(one.name), fontsize=7.5, pad=2)
     for axes in grid[len(shown) :]:
         axes.set_axis_off()
-    grid[0].set_ylim(-frame, frame)
+    scale = 10.0 ** round(float(np.log10(scale)))
+    grid[0].set_yscale("symlog", linthresh=scale, linscale=1.2)
+    grid[0].set_ylim(-CREDIBLE * scale, CREDIBLE * scale)
+    grid[0].set_yticks([side * size * scale for side in (-1, 1) for size in (1, 10)] + [0])
+    grid[0].yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+    grid[0].minorticks_off()
     grid[0].set_xlim(float(flight.time[0]), float(flight.time[-1]) + 1e-6)
     for axes in grid[:: min(COLUMNS, len(shown))]:
         axes.set_ylabel(_label(channel, ""), fontsize=7.0)
@@ -113,6 +123,7 @@ def consistency_over_time(flight: Flight, followed: list[Followed]) -> Any:
         axes.fill_between(when[chosen], low, high, color="#BBBBBB", linewidth=0, zorder=1.1, label="95 % band")
         axes.axhline(1.0, color=style.BLACK, linewidth=0.5, zorder=1.3)
         logarithmic(axes)
+        axes.set_ylim(0.2, min(max(axes.get_ylim()[1], 5.0), UNCREDIBLE))
     errors.set_ylabel(f"ANEES of {split(channel)[0]}")
     innovations.set_ylabel("mean NIS")
     innovations.set_xlabel(TIME)
@@ -127,7 +138,7 @@ def error_by_phase(flight: Flight, trackers: dict[str, Any], followed: list[Foll
     if not names:
         return None
     figure, panels = style.panels(*(1.6 for _ in names), top=legend_room(followed, 1), share=True)
-    order = [name for name in dict.fromkeys(flight.phases[int(i)] for i in flight.phase)]
+    order = list(dict.fromkeys(flight.phases[int(i)] for i in flight.phase))
     for axes, channel in zip(panels, names, strict=True):
         flown = [p for p in order if any(channel in (t.get("by_phase") or {}).get(p, {}) for t in trackers.values())]
         width = 0.84 / len(looks)

@@ -38,7 +38,7 @@ class Page(HTMLParser):
 
     def __init__(self, text):
         super().__init__(convert_charrefs=True)
-        self.tags, self.open, self.text, self.faults = [], [], "", []
+        self.tags, self.open, self.text, self.faults, self.scripts = [], [], "", [], []
         self.feed(text)
         self.close()
 
@@ -52,7 +52,10 @@ class Page(HTMLParser):
             self.faults.append(tag)
 
     def handle_data(self, data):
-        self.text += data
+        if self.open[-1:] == ["script"]:
+            self.scripts.append(data)
+        else:
+            self.text += data
 
     def images(self):
         return [base64.b64decode(a["src"].partition(",")[2]) for tag, a in self.tags if tag == "img"]
@@ -176,7 +179,9 @@ def test_whatever_a_scenario_says_stays_text(make_flight, tmp_path):
     flight = dataclasses.replace(flight, events=(Event(0.0, EVIL, EVIL),), outcome="diverged", reason=EVIL)
     tracks = {EVIL: {"kind": EVIL, "law_from": EVIL, "overall": {}, "by_phase": {}}}
     page = written(tmp_path, flight, given=given, trackers=tracks, warnings=[EVIL])
-    assert {tag for tag, _ in page.tags} & {"script", "iframe", "object", "link", "base", "form"} == set()
+    assert {tag for tag, _ in page.tags} & {"iframe", "object", "link", "base", "form"} == set()
+    kinds = [(a.get("type"), a.get("src")) for tag, a in page.tags if tag == "script"]
+    assert kinds == [("application/json", None), (None, None)]  # the replay's data and its script
     assert [a for _, a in page.tags if any(key.startswith("on") for key in a)] == []
     assert all(a["src"].startswith("data:") for tag, a in page.tags if tag == "img")
     assert page.faults == []

@@ -1,0 +1,131 @@
+"""What the replay in the page moves through: the flight, the measurements as they arrived, the estimates of draw 0."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.channels import truth_at
+from sim.flight import Flight
+from sim.reporting import style
+from sim.reporting.followed import Followed
+from sim.reporting.plan_view import RUNWAY_LENGTH
+from sim.reporting.quantities import words
+from sim.reporting.thinning import runs
+from sim.signals import height_error
+
+MOST_STATES, MOST_ESTIMATES, MOST_PLOTS = 1200, 500, 1000  # of a flight, of each tracker, of each sensor
+
+
+def replay(flight: Flight, scenario: Any, followed: list[Followed], records: dict[str, Any]) -> dict[str, Any] | None:
+    """Plain lists for the script: metres along (x) and to the right of (y) the final course; None for no time at all.
+
+    Heights are above the threshold; ``flown`` is the distance over the ground, the abscissa of the vertical profile.
+    """
+    if len(flight.time) < 2 or not np.isfinite(flight.state.north).all():
+        return None
+    course = flight.route.legs[-1].course
+    turn = np.array(((np.cos(course), np.sin(course)), (-np.sin(course), np.cos(course))))
+    state = flight.state
+    steps = np.hypot(np.diff(state.north), np.diff(state.east))
+    flown = np.concatenate(([0.0], np.cumsum(steps)))
+    few = np.unique(np.linspace(0, len(flight.time) - 1, MOST_STATES).astype(int))
+    x, y = turn @ np.array((state.north, state.east))[:, few]
+    corners = turn @ np.array([leg.start for leg in flight.route.legs] + [flight.route.legs[-1].end]).T
+    far = turn @ np.array(scenario.runway.to_local(RUNWAY_LENGTH * 1e3, 0.0))
+    return {
+        "flight": {
+            "t": _listed(flight.time[few], 2),
+            "x": _listed(x),
+            "y": _listed(y),
+            "flown": _listed(flown[few], 0),
+            "height": _listed(state.height[few]),
+            "asked": _listed((state.height - height_error(flight, scenario.runway))[few]),
+            "bank": _listed(np.degrees(state.bank[few])),
+            "pitch": _listed(np.degrees(state.pitch[few])),
+            "heading": _listed(np.degrees(np.unwrap(state.heading) - course)[few]),
+            "speed": _listed(state.airspeed[few]),
+        },
+        "phases": [
+            {
+                "from": round(float(flight.time[first]), 2),
+                "name": words(flight.phases[int(flight.phase[first])]),
+                "colour": style.phase_colour(flight.phases[int(flight.phase[first])]),
+            }
+            for first, _ in runs(flight.phase)[:MOST_STATES]
+        ],
+        "route": _listed(corners.T),
+        "runway": _listed(np.array(((0.0, 0.0), far))),
+        "plots": [found for name, record in records.items() if (found := _plots(flight, scenario, name, record, turn))],
+        "trackers": [_estimates(one, turn) for one in followed],
+    }
+
+
+def _plots(flight: Flight, scenario: Any, name: str, record: Any, turn: np.ndarray) -> dict[str, Any] | None:
+    """Measured places and heights of draw 0 when they became known; None for a sensor that measures neither."""
+    sensor, thin = scenario.sensors[name], max(1, -(-len(record.time) // MOST_PLOTS))
+    z = dict(zip(record.channels, np.moveaxis(record.z[::thin, :, 0], 1, 0), strict=True))
+    arrival = record.arrival[::thin]
+    if not len(arrival):
+        return None
+    place = height = np.full((2, len(arrival)), np.nan)
+    height = place[0]
+    if "north" in z:
+        place = np.array((z["north"], z["east"]))
+    if "elevation" in z or "azimuth" in z:
+        north, east, up = sensor.antenna
+        true = truth_at(flight, record.time[::thin]).position
+        distance = np.hypot(true[0] - north, true[1] - east)
+    if "elevation" in z:
+        ground = z["range"] * np.cos(z["elevation"]) if "range" in z else distance
+        height = up + ground * np.tan(z["elevation"])
+    if "range" in z and "azimuth" in z:
+        rise = height - up if "elevation" in z else flight.route.legs[0].height - up
+        ground = np.sqrt(np.maximum(z["range"] ** 2 - rise**2, 0.0))
+        bearing = z["azimuth"] + sensor.zero_azimuth
+        place = np.array((north + ground * np.cos(bearing), east + ground * np.sin(bearing)))
+    if not np.isfinite(place).any() and not np.isfinite(height).any():
+        return None
+    x, y = turn @ place
+    return {"name": words(name), "t": _listed(arrival, 2), "x": _listed(x), "y": _listed(y), "height": _listed(height)}
+
+
+def _estimates(one: Followed, turn: np.ndarray) -> dict[str, Any]:
+    """Places, 2 sigma ellipses (semi-axes, direction of the longer) and heights of one tracker."""
+    few = np.unique(np.linspace(0, len(one.time) - 1, MOST_ESTIMATES).astype(int))
+    x, y = turn @ one.shown.place[few].T
+    long, short, direction = ellipse(np.einsum("ij,kjl,ml->kim", turn, one.shown.spread[few], turn))
+    return {
+        "name": words(one.name),
+        "colour": one.look["color"],
+        "dashed": one.look["dashes"] != style.SOLID,
+        "law": one.law_from,
+        "t": _listed(one.time[few], 2),
+        "x": _listed(x),
+        "y": _listed(y),
+        "long": _listed(2 * long),
+        "short": _listed(2 * short),
+        "direction": _listed(direction, 3),
+        "height": _listed(one.shown.height[few]),
+        "spread": _listed(2 * one.shown.height_sigma[few]),
+    }
+
+
+def ellipse(cov: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(longer, shorter standard deviation, direction of the longer in rad from x to y) of covariances (k, 2, 2)."""
+    a, b, c = cov[:, 0, 0], cov[:, 0, 1], cov[:, 1, 1]
+    middle, radius = (a + c) / 2, np.hypot((a - c) / 2, b)
+    return np.sqrt(middle + radius), np.sqrt(np.maximum(middle - radius, 0.0)), 0.5 * np.arctan2(2 * b, a - c)
+
+
+def _listed(values: np.ndarray, places: int = 1) -> list[Any]:
+    """Rounded numbers for JSON; what is not finite is null. A list without any number is empty."""
+    values = np.asarray(values, float)
+    finite = np.isfinite(values)
+    if finite.all():
+        rounded = values.round(places)
+        return rounded.astype(int).tolist() if places == 0 else rounded.tolist()
+    if not finite.any():
+        return []
+    return [round(v, places) if v == v and abs(v) != np.inf else None for v in values.tolist()]
