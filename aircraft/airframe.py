@@ -24,6 +24,7 @@ from aircraft.runway import Runway
 from aircraft.state import AircraftState, Controls
 from aircraft.wind import SteadyWind
 
+HIGHEST_WHEEL = 30.0  # m; above, no wheel of any aircraft can touch level ground
 RATE = 120  # Hz, of the equations of motion
 UNTOLD_FLAPS = math.radians(40.0)  # full deflection of a model that gives only its share
 _NEW = tuple.__new__  # an AircraftState from a tuple of its fields at half the time of its own constructor
@@ -176,16 +177,17 @@ class Airframe:
             raise FlightError(f"the motion is not finite at {time:.2f} s", time, self._last)
         scale = self._specific_force
         aileron, elevator, rudder, throttle, _, _ = self._controls
-        wheels = 0.0
-        for wheel in self._main_wheels:
-            wheels += wheel()
+        wheels, above = 0.0, height * FOOT - self._elevation
+        if above < HIGHEST_WHEEL:
+            for wheel in self._main_wheels:
+                wheels += wheel()
         state = _NEW(
             AircraftState,
             (
                 time,
                 latitude * EARTH_RADIUS,
                 longitude * EARTH_RADIUS,
-                height * FOOT - self._elevation,
+                above,
                 north * FOOT,
                 east * FOOT,
                 -down * FOOT,
@@ -234,8 +236,10 @@ class Airframe:
         set_rudder(-rudder)
         for set_throttle in self._throttles:
             set_throttle(throttle)
-        self._set_flaps(flaps / self.full_flaps if self.full_flaps else 0.0)
-        self._set_gear(gear)
+        last = self._controls
+        if flaps != last.flaps or gear != last.gear or not self._has_flown:  # levers are moved a few times a flight
+            self._set_flaps(flaps / self.full_flaps if self.full_flaps else 0.0)
+            self._set_gear(gear)
         self._controls = controls
 
     def _full_flaps(self) -> tuple[float, Callable[[], float], float]:
