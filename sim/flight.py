@@ -87,31 +87,6 @@ def fly(
     the command. With a ``navigator`` the autopilot sees the place that a tracker believes instead of the true one. A
     flight that diverges is an outcome with its time, never an exception.
     """
-    with _no_collections():
-        return _fly(vehicle, autopilot, initial, wind, limits, phases, navigator)
-
-
-@contextlib.contextmanager
-def _no_collections() -> Iterator[None]:
-    """Without the cyclic collector, which would walk over the growing record again and again: a tenth of the time."""
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
-
-
-def _fly(
-    vehicle: Any,
-    autopilot: Any,
-    initial: Any,
-    wind: Any,
-    limits: Limits,
-    phases: tuple[str, ...],
-    navigator: Any,
-) -> Flight:
     body = vehicle.begin(initial, wind)
     state = vehicle.read(body)
     seen, sight = state, None
@@ -124,38 +99,39 @@ def _fly(
     half, last = RECORD_STEP / 2, judge.end - 1e-9
     phase = -1
     verdict = None
-    while verdict is None:
-        near_ground = state.height < NEAR_GROUND
-        pilot, command = pilot_step(pilot, seen, half if near_ground else RECORD_STEP)
-        if seen is not state:
-            command = _as_seen(command, state, seen)
-        states.append(state)
-        commands.append(command)
-        pilots.append(pilot)
-        if pilot.phase != phase:
-            phase = pilot.phase
-            events.append(Event(state.time, phases[phase]))
-        if len(states) % JUDGED == 1 or state.height < LOW or state.time >= last or pilot.finished:
-            verdict = judge(state, pilot.leg, pilot.finished)
-        try:
-            if near_ground:
-                body = vehicle_step(body, command, half)
-                between = read(body)
-                if seen is state:
-                    pilot, command = pilot_step(pilot, between, half)
+    with _no_collections():
+        while verdict is None:
+            near_ground = state.height < NEAR_GROUND
+            pilot, command = pilot_step(pilot, seen, half if near_ground else RECORD_STEP)
+            if seen is not state:
+                command = _as_seen(command, state, seen)
+            states.append(state)
+            commands.append(command)
+            pilots.append(pilot)
+            if pilot.phase != phase:
+                phase = pilot.phase
+                events.append(Event(state.time, phases[phase]))
+            if len(states) % JUDGED == 1 or state.height < LOW or state.time >= last or pilot.finished:
+                verdict = judge(state, pilot.leg, pilot.finished)
+            try:
+                if near_ground:
+                    body = vehicle_step(body, command, half)
+                    between = read(body)
+                    if seen is state:
+                        pilot, command = pilot_step(pilot, between, half)
+                    else:
+                        moved = _moved(between, state, seen)
+                        pilot, command = pilot_step(pilot, moved, half)
+                        command = _as_seen(command, between, moved)
+                    body = vehicle_step(body, command, half)
                 else:
-                    moved = _moved(between, state, seen)
-                    pilot, command = pilot_step(pilot, moved, half)
-                    command = _as_seen(command, between, moved)
-                body = vehicle_step(body, command, half)
-            else:
-                body = vehicle_step(body, command, RECORD_STEP)
-            before, state = state, read(body)
-            seen = state
-            if navigator is not None:
-                sight, seen = navigator.step(sight, before, state)
-        except FlightError as error:
-            verdict = verdict or ("diverged", str(error))
+                    body = vehicle_step(body, command, RECORD_STEP)
+                before, state = state, read(body)
+                seen = state
+                if navigator is not None:
+                    sight, seen = navigator.step(sight, before, state)
+            except FlightError as error:
+                verdict = verdict or ("diverged", str(error))
     outcome, reason = verdict
     events.append(Event(states[-1].time, outcome, reason))
     return Flight(
@@ -169,6 +145,18 @@ def _fly(
         outcome,
         reason,
     )
+
+
+@contextlib.contextmanager
+def _no_collections() -> Iterator[None]:
+    """Without the cyclic collector, which would walk over the growing record again and again: a tenth of the time."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
 
 
 def _as_seen(command: Command, state: AircraftState, seen: AircraftState) -> Command:
