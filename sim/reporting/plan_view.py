@@ -37,11 +37,11 @@ def plan_view(flight: Flight, runway: Runway, wind: tuple[float, float]) -> Any:
     far_end = runway.to_local(RUNWAY_LENGTH / KM, 0.0)
     runway_x, runway_y = turned(np.array((0.0, far_end[0])), np.array((0.0, far_end[1])))
 
-    extent = _extent((x, corner_x), (y, corner_y))
-    shown = _inside(extent, runway_x[0], runway_y[0])
+    bounds = extent((x, corner_x), (y, corner_y))
+    shown = _inside(bounds, runway_x[0], runway_y[0])
     if shown:
-        extent = _extent((x, corner_x, runway_x), (y, corner_y, runway_y))
-    figure, axes = _equal_axes(extent)
+        bounds = extent((x, corner_x, runway_x), (y, corner_y, runway_y))
+    figure, axes = _equal_axes(bounds)
 
     axes.plot(corner_x, corner_y, color="#555555", linewidth=0.8, dashes=(5, 3), zorder=1.5, label="route")
     axes.plot(
@@ -77,7 +77,7 @@ def plan_view(flight: Flight, runway: Runway, wind: tuple[float, float]) -> Any:
     return figure
 
 
-def _extent(xs: tuple[Any, ...], ys: tuple[Any, ...]) -> tuple[float, float, float, float]:
+def extent(xs: tuple[Any, ...], ys: tuple[Any, ...]) -> tuple[float, float, float, float]:
     """Bounds of all finite points with a margin."""
     x, y = np.concatenate(xs), np.concatenate(ys)
     finite = np.isfinite(x) & np.isfinite(y)

@@ -87,6 +87,8 @@
         line(pen, [[p[0], p[1] - 3], [p[0], p[1] + 3]], PLOT, 1);
       }
     }
+    pen.globalAlpha = span ? 0.5 : 1; // close by, estimates are read through it
+    aircraft(pen, place(...me), at("heading", now) * Math.PI / 180);
     pen.globalAlpha = 1;
     data.trackers.forEach((tracker, index) => {
       const i = upTo(tracker.t, now);
@@ -103,7 +105,6 @@
         pen.stroke(); pen.setLineDash([]);
       }
     });
-    aircraft(pen, place(...me), at("heading", now) * Math.PI / 180);
     ruler(pen, height, scale, width);
     horizon(pen, width - 62, 58, at("bank", now));
   }

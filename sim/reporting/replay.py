@@ -64,31 +64,59 @@ def replay(flight: Flight, scenario: Any, followed: list[Followed], records: dic
 
 def _plots(flight: Flight, scenario: Any, name: str, record: Any, turn: np.ndarray) -> dict[str, Any] | None:
     """Measured places and heights of draw 0 when they became known; None for a sensor that measures neither."""
-    sensor, thin = scenario.sensors[name], max(1, -(-len(record.time) // MOST_PLOTS))
-    z = dict(zip(record.channels, np.moveaxis(record.z[::thin, :, 0], 1, 0), strict=True))
-    arrival = record.arrival[::thin]
-    if not len(arrival):
+    thin = max(1, -(-len(record.time) // MOST_PLOTS))
+    some = record._replace(
+        time=record.time[::thin], arrival=record.arrival[::thin], z=record.z[::thin], R=record.R[::thin]
+    )
+    place = place_of_plots(flight, scenario.sensors[name], some)
+    height = height_of_plots(flight, scenario.sensors[name], some)
+    if place is None and height is None:
         return None
-    place = height = np.full((2, len(arrival)), np.nan)
-    height = place[0]
+    nowhere = np.full(len(some.time), np.nan)
+    x, y = (nowhere, nowhere) if place is None else turn @ place
+    return {
+        "name": words(name),
+        "t": _listed(some.arrival, 2),
+        "x": _listed(x),
+        "y": _listed(y),
+        "height": _listed(nowhere if height is None else height),
+    }
+
+
+def place_of_plots(flight: Flight, sensor: Any, record: Any) -> np.ndarray | None:
+    """(2, k) m north, east of the measurements of draw 0; None for a sensor that measures no place.
+
+    A radar without elevation takes the height from the chart.
+    """
+    z = dict(zip(record.channels, np.moveaxis(record.z[..., 0], 1, 0), strict=True))
+    if not len(record.time):
+        return None
     if "north" in z:
-        place = np.array((z["north"], z["east"]))
-    if "elevation" in z or "azimuth" in z:
-        north, east, up = sensor.antenna
-        true = truth_at(flight, record.time[::thin]).position
-        distance = np.hypot(true[0] - north, true[1] - east)
-    if "elevation" in z:
-        ground = z["range"] * np.cos(z["elevation"]) if "range" in z else distance
-        height = up + ground * np.tan(z["elevation"])
-    if "range" in z and "azimuth" in z:
-        rise = height - up if "elevation" in z else flight.route.legs[0].height - up
-        ground = np.sqrt(np.maximum(z["range"] ** 2 - rise**2, 0.0))
-        bearing = z["azimuth"] + sensor.zero_azimuth
-        place = np.array((north + ground * np.cos(bearing), east + ground * np.sin(bearing)))
-    if not np.isfinite(place).any() and not np.isfinite(height).any():
+        return np.array((z["north"], z["east"]))
+    if "range" not in z or "azimuth" not in z:
         return None
-    x, y = turn @ place
-    return {"name": words(name), "t": _listed(arrival, 2), "x": _listed(x), "y": _listed(y), "height": _listed(height)}
+    north, east, up = sensor.antenna
+    if "elevation" in z:
+        ground = z["range"] * np.cos(z["elevation"])
+    else:
+        ground = np.sqrt(np.maximum(z["range"] ** 2 - (flight.route.legs[0].height - up) ** 2, 0.0))
+    bearing = z["azimuth"] + sensor.zero_azimuth
+    return np.array((north + ground * np.cos(bearing), east + ground * np.sin(bearing)))
+
+
+def height_of_plots(flight: Flight, sensor: Any, record: Any) -> np.ndarray | None:
+    """(k,) m height of the measurements of draw 0; None for a sensor without elevation.
+
+    An elevation without a range is taken at the true distance.
+    """
+    z = dict(zip(record.channels, np.moveaxis(record.z[..., 0], 1, 0), strict=True))
+    if "elevation" not in z or not len(record.time):
+        return None
+    north, east, up = sensor.antenna
+    if "range" in z:
+        return np.asarray(up + z["range"] * np.sin(z["elevation"]))
+    true = truth_at(flight, record.time).position
+    return np.asarray(up + np.hypot(true[0] - north, true[1] - east) * np.tan(z["elevation"]))
 
 
 def _estimates(one: Followed, turn: np.ndarray) -> dict[str, Any]:

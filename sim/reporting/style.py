@@ -96,11 +96,13 @@ def drawing() -> Iterator[None]:
         logger.setLevel(level)
 
 
-def panels(*heights: float, share: bool = True, top: float = TOP, bottom: float = BOTTOM) -> tuple[Any, list[Any]]:
+def panels(
+    *heights: float, share: bool = True, top: float = TOP, bottom: float = BOTTOM, gap: float = GAP
+) -> tuple[Any, list[Any]]:
     """A figure of the page's width with axes of the given heights (in) below each other on one x axis."""
     from matplotlib.figure import Figure
 
-    height = top + sum(heights) + GAP * (len(heights) - 1) + bottom
+    height = top + sum(heights) + gap * (len(heights) - 1) + bottom
     figure, axes, edge = Figure((WIDTH, height)), [], height - top
     for panel in heights:
         edge -= panel
@@ -108,7 +110,7 @@ def panels(*heights: float, share: bool = True, top: float = TOP, bottom: float 
         axes.append(figure.add_axes(box, sharex=axes[0] if share and axes else None))
         axes[-1].yaxis.set_label_coords(-0.56 / (WIDTH - LEFT - RIGHT), 0.5)  # fixed places align and cost nothing
         axes[-1].xaxis.set_label_coords(0.5, -0.28 / panel)
-        edge -= GAP
+        edge -= gap
     for upper in axes[:-1] if share else ():
         upper.tick_params(labelbottom=False)
     return figure, axes

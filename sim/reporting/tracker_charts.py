@@ -9,6 +9,7 @@ import numpy as np
 from sim.flight import Flight
 from sim.reporting import style
 from sim.reporting.beliefs import anomaly_strip, model_probabilities
+from sim.reporting.estimate_map import estimate_map
 from sim.reporting.followed import Followed
 from sim.reporting.path_bound import path_bound
 from sim.reporting.style import Chart
@@ -72,6 +73,12 @@ def tracker_charts(
                 "Mean normalised error squared (ANEES) and normalised innovation squared (NIS) per dimension: 1 where "
                 "covariances are right, and within the band in 95 % of the epochs of a consistent tracker. What leaves "
                 "the frame is larger.",
+            )
+            add(
+                "Estimates in plan",
+                estimate_map(flight, scenario, followed, records),
+                "Draw 0. Above the whole flight, below the last turn enlarged, with ellipses of two standard "
+                "deviations here and there; dots are the plots.",
             )
         add(
             "Model probabilities",

@@ -99,7 +99,7 @@ def _where(flight: Flight, channel: str, best: Followed, other: Followed) -> str
     excess = other.curves[channel].rmse ** 2 - best.curves[channel].rmse ** 2
     sums = {flight.phases[int(p)]: float(np.nansum(excess[best.phase == p])) for p in np.unique(best.phase)}
     worst = max(sums, key=lambda name: sums[name])
-    return f", most of it in the {words(worst)}" if len(sums) > 1 and sums[worst] > 0.0 else ""
+    return f", most of it during {words(worst)}" if len(sums) > 1 and sums[worst] > 0.0 else ""
 
 
 def _law(trackers: dict[str, Any], channel: str, best: Followed, others: list[Followed]) -> list[str]:
