@@ -46,5 +46,22 @@ def load(family: str, kind: str) -> type[Any]:
 
 def scenarios() -> list[str]:
     """Names of the bundled scenarios."""
-    files = (file.name for file in resources.files("sim.scenarios").iterdir())
+    return _tables("sim.scenarios")
+
+
+def studies() -> list[str]:
+    """Names of the bundled studies."""
+    return _tables("sim.scenarios.studies")
+
+
+def bundled(name: str) -> Any:
+    """The file of a bundled scenario or study; None where there is none of this name."""
+    for package, names in (("sim.scenarios", scenarios()), ("sim.scenarios.studies", studies())):
+        if name in names:
+            return resources.files(package) / f"{name}.toml"
+    return None
+
+
+def _tables(package: str) -> list[str]:
+    files = (file.name for file in resources.files(package).iterdir())
     return sorted(name[:-5] for name in files if name.endswith(".toml"))

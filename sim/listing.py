@@ -9,11 +9,11 @@ from sim import catalogue
 
 
 def scenario_lines() -> list[str]:
-    """Bundled scenarios with the first comment line of each."""
+    """Bundled scenarios, then bundled studies, with the first comment line of each."""
     rows = []
-    for name in catalogue.scenarios():
-        first = (resources.files("sim.scenarios") / f"{name}.toml").read_text().splitlines()[0]
-        rows.append((name, first.lstrip("# ").strip()))
+    for name in (*catalogue.scenarios(), *catalogue.studies()):
+        first = catalogue.bundled(name).read_text().splitlines()[0]
+        rows.append((name, ("study: " if name in catalogue.studies() else "") + first.lstrip("# ").strip()))
     return _aligned(rows)
 
 

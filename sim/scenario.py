@@ -6,7 +6,6 @@ import re
 import tomllib
 import typing
 from dataclasses import dataclass, field
-from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -113,9 +112,9 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
     if isinstance(source, dict):
         return "scenario", source
     path = Path(source)
-    bundled = catalogue.scenarios()
-    if str(source) in bundled:
-        text = (resources.files("sim.scenarios") / f"{source}.toml").read_bytes()
+    bundled = catalogue.bundled(str(source))
+    if bundled is not None:
+        text = bundled.read_bytes()
         origin = f"{source}.toml"
     elif path.is_file():
         if path.stat().st_size > LARGEST_FILE:
@@ -128,7 +127,9 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
     elif path.suffix == ".toml" or path.is_dir() or "/" in str(source):
         raise ScenarioError(f"{path}: no such file")
     else:
-        raise ScenarioError(f"no scenario '{source}': {did_you_mean(str(source), bundled)}")
+        raise ScenarioError(
+            f"no scenario '{source}': {did_you_mean(str(source), [*catalogue.scenarios(), *catalogue.studies()])}"
+        )
     try:
         return origin, {
             "name": path.name.removesuffix(".toml").removesuffix(".scenario"),

@@ -26,6 +26,7 @@ from sim.executors import Executor, Lost
 from sim.preparation import prepare
 from sim.scenario import Scenario, read
 from sim.study_metrics import fewest_flights, study_metrics
+from sim.study_theory import THEORIES
 from sim.tables import StudyCheck, StudyTable
 from sim.toml import dumps
 
@@ -87,6 +88,12 @@ def _faults(scenario: Scenario, table: StudyTable, axes: tuple[Axis, ...]) -> li
             except ScenarioError as error:
                 faults += [f'[study] axes "{one.address}": {_said(line)}' for line in str(error).splitlines()]
                 break
+    if table.theory is not None:
+        theory, chosen = THEORIES[table.theory], [one.address for one in axes if isinstance(one, Listed)]
+        if chosen[:2] != [theory.x, theory.y]:
+            faults.append(
+                f'[study] theory "{table.theory}" is about the axes "{theory.x}" and "{theory.y}", in this order'
+            )
     for one in table.checks:
         if one.metric not in SCALARS and not one.metric.startswith("trackers."):
             faults.append(f"[[study.checks]] no metric '{one.metric}'; {did_you_mean(one.metric, SCALARS)}")

@@ -10,6 +10,7 @@ import numpy as np
 from sim.reporting import style
 from sim.reporting.quantities import split, words
 from sim.reporting.style import Chart
+from sim.study_theory import THEORIES, border
 
 MOST_LINES = 6
 OUTCOME_COLOURS = {
@@ -42,11 +43,37 @@ def study_charts(
         return [_distribution(name, records, metrics["checks"]) for name in shown]
     if len(listed) == 1:
         return [_curves(name, listed[0], None, metrics) for name in shown]
-    if min(len(metrics["axes"][address]["values"]) for address in listed[:2]) <= MOST_LINES:
+    fewest = min(len(metrics["axes"][address]["values"]) for address in listed[:2])
+    if fewest <= MOST_LINES and scenario.study.theory is None:
         few, many = sorted(listed[:2], key=lambda address: len(metrics["axes"][address]["values"]))
         return [_curves(name, many, few, metrics) for name in shown]
-    charts = [_outcome_map(listed[0], listed[1], metrics)] if len(metrics["outcomes"]) > 1 else []
-    return charts + [_map(name, listed[0], listed[1], metrics) for name in shown]
+    line = _border(scenario, metrics, listed[0])
+    charts = [_outcome_map(listed[0], listed[1], metrics, line)] if len(metrics["outcomes"]) > 1 else []
+    return charts + [_map(name, listed[0], listed[1], metrics, line) for name in shown]
+
+
+class Border(NamedTuple):
+    """What theory says, as a line of a map."""
+
+    label: str
+    x: np.ndarray
+    y: np.ndarray
+
+
+def _border(scenario: Any, metrics: dict[str, Any], x: str) -> Border | None:
+    if scenario.study.theory is None:
+        return None
+    values = metrics["axes"][x]["values"]
+    fine = np.linspace(min(values), max(values), 101)
+    return Border(THEORIES[scenario.study.theory].label, fine, border(scenario.study.theory, scenario, fine))
+
+
+def _draw(axes: Any, line: Border | None) -> None:
+    """The border over a map, which keeps its own extent."""
+    if line is not None:
+        extent = axes.get_ylim()
+        axes.plot(line.x, line.y, color=style.BLACK, linewidth=1.6, label=line.label)
+        axes.set_ylim(extent)
 
 
 def scale(address: str, values: Sequence[Any]) -> Scale:
@@ -95,13 +122,14 @@ def _edges(at: np.ndarray) -> np.ndarray:
     return np.concatenate(([2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]))
 
 
-def _map(name: str, x: str, y: str, metrics: dict[str, Any]) -> Chart:
+def _map(name: str, x: str, y: str, metrics: dict[str, Any], line: Border | None) -> Chart:
     table = _table(metrics, x, y, lambda row: (row.get(name) or {}).get("p50", np.nan))
     across, up = (scale(address, metrics["axes"][address]["values"]) for address in (x, y))
     figure, (axes,) = style.panels(3.4)
     axes.grid(False)
     axes.set_facecolor(style.LIGHT)
     mesh = axes.pcolormesh(_edges(across.at), _edges(up.at), table, cmap="viridis", linewidth=0)
+    _draw(axes, line)
     figure.colorbar(mesh, ax=axes, label=label(name), pad=0.02)
     _set(axes.xaxis, across)
     _set(axes.yaxis, up)
@@ -109,7 +137,7 @@ def _map(name: str, x: str, y: str, metrics: dict[str, Any]) -> Chart:
     return Chart(label(name), style.data_uri(figure), caption)
 
 
-def _outcome_map(x: str, y: str, metrics: dict[str, Any]) -> Chart:
+def _outcome_map(x: str, y: str, metrics: dict[str, Any], line: Border | None) -> Chart:
     names = sorted(metrics["outcomes"])
     table = _table(metrics, x, y, lambda row: names.index(max(sorted(row["outcomes"]), key=row["outcomes"].get)))
     across, up = (scale(address, metrics["axes"][address]["values"]) for address in (x, y))
@@ -121,7 +149,8 @@ def _outcome_map(x: str, y: str, metrics: dict[str, Any]) -> Chart:
     axes.pcolormesh(_edges(across.at), _edges(up.at), table, cmap=colours, vmin=-0.5, vmax=len(names) - 0.5)
     for name in names:
         axes.plot([], [], "s", color=OUTCOME_COLOURS.get(name, style.GREY), label=words(name))
-    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(names))
+    _draw(axes, line)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(names) + 1)
     _set(axes.xaxis, across)
     _set(axes.yaxis, up)
     return Chart("Outcomes", style.data_uri(figure), "The commonest outcome of each cell.")
