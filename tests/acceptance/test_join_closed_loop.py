@@ -28,7 +28,7 @@ from tracking.trackers.saturated_control import SaturatedControl
 
 pytestmark = pytest.mark.acceptance
 SEED = 3001
-FLIGHTS = {"route_control": 40, "saturated_control": 40, "imm": 12, "linear_feedback": 4, "truth": 1}
+FLIGHTS = {"route_control": 80, "saturated_control": 80, "imm": 12, "linear_feedback": 4, "truth": 1}
 BOX = 21.0 - 0.5 * 7.9  # m off the centreline that keep the outer main wheel within 21 m
 
 
@@ -108,6 +108,24 @@ def test_talk_down(row, navigation):
         told_q = f", q {q} m2/s3" if law_aware else ""
         row(f"talk-down on {navigation}: ANEES of the position{told_q}", "reported", told(mean_interval(anees)), True)
     assert not law_aware or share.value >= 0.95
+
+
+def test_talk_down_on_the_imm_with_soft_gains(row):
+    """Without the law the turn is noticed seconds late: the aircraft's own gains then cycle, the page's do not."""
+    count = FLIGHTS["imm"]
+    soft = {"k1_deg_per_m": 0.02, "k2_deg_per_mps": 0.5, "cross_track_limit_m": 900.0}
+    changes = tuple((f"autopilot.law.{key}", value) for key, value in soft.items())
+    _, _, figures, anees = approaches("an26_talkdown", "imm", count, *changes)
+    share = proportion(sum(map(in_box, figures)), count)
+    across, rate = (spread(figures, name) for name in ("cross_track_at_decision_height_m", "bank_rate_rms_final_degps"))
+    row(
+        f"talk-down on imm with soft gains, {count} flights: P(box), across at 60 m, bank rate, ANEES",
+        "shown",
+        f"{told(share)} {dict(Counter(m['outcome'] for m in figures))}; {across} m; {rate} deg/s; "
+        f"{told(mean_interval(anees))}",
+        True,
+    )
+    assert sum(m["outcome"] == "landed" for m in figures) > count / 2
 
 
 def test_talk_down_on_linear_feedback_fails_and_says_why(row):
