@@ -83,8 +83,22 @@ def scale(address: str, values: Sequence[Any]) -> Scale:
     return Scale(label(address), np.arange(len(values), dtype=float), tuple(map(str, values)))
 
 
+def figure_of(row: dict[str, Any], name: str) -> dict[str, Any] | None:
+    """The spread of a figure in a cell; of ``A / B`` the ratio of their medians."""
+    above, slash, below = name.partition(" / ")
+    if not slash:
+        found: dict[str, Any] | None = row.get(name)
+        return found
+    one, other = row.get(above), row.get(below)
+    ratio = one["p50"] / other["p50"] if one and other and other["p50"] else None
+    return None if ratio is None else {"n": 1, "p50": ratio}
+
+
 def label(name: str) -> str:
     """A dotted name with its unit, for people."""
+    above, slash, below = name.partition(" / ")
+    if slash:
+        return f"{label(above)} / {label(below)}"
     text, unit = split(name.removeprefix("trackers.").replace(".overall.", " ").replace(".", " "))
     return f"{text}, {unit}" if unit else text
 
@@ -123,17 +137,24 @@ def _edges(at: np.ndarray) -> np.ndarray:
 
 
 def _map(name: str, x: str, y: str, metrics: dict[str, Any], line: Border | None) -> Chart:
-    table = _table(metrics, x, y, lambda row: (row.get(name) or {}).get("p50", np.nan))
+    table = _table(metrics, x, y, lambda row: (figure_of(row, name) or {}).get("p50", np.nan))
     across, up = (scale(address, metrics["axes"][address]["values"]) for address in (x, y))
     figure, (axes,) = style.panels(3.4)
     axes.grid(False)
     axes.set_facecolor(style.LIGHT)
-    mesh = axes.pcolormesh(_edges(across.at), _edges(up.at), table, cmap="viridis", linewidth=0)
+    ratio = " / " in name
+    scaled = np.log10(table) if ratio else table
+    look = {"cmap": "RdBu_r", "vmin": -(most := np.nanmax(np.abs(scaled))), "vmax": most} if ratio else {}
+    mesh = axes.pcolormesh(_edges(across.at), _edges(up.at), scaled, linewidth=0, **look)
     _draw(axes, line)
-    figure.colorbar(mesh, ax=axes, label=label(name), pad=0.02)
+    if ratio and np.nanmin(scaled) < 0 < np.nanmax(scaled) and min(table.shape) > 1:
+        axes.contour(across.at, up.at, scaled, levels=[0.0], colors=style.BLACK, linewidths=1.4)
+    figure.colorbar(mesh, ax=axes, label="log10 of the ratio" if ratio else label(name), pad=0.02)
     _set(axes.xaxis, across)
     _set(axes.yaxis, up)
     caption = "Median of the flights of each cell; grey where no flight has the figure."
+    if ratio:
+        caption = "Ratio of medians, logarithmic; the black line is where the two are equal."
     return Chart(label(name), style.data_uri(figure), caption)
 
 
@@ -163,7 +184,7 @@ def _curves(name: str, x: str, lines: str | None, metrics: dict[str, Any]) -> Ch
     rows = _first_of_the_rest(metrics, kept)
     for i, value in enumerate(metrics["axes"][lines]["values"] if lines else [None]):
         chosen = [row for row in rows if lines is None or row[lines] == value]
-        spread = [row.get(name) or {} for row in chosen]
+        spread = [figure_of(row, name) or {} for row in chosen]
         low, mid, high = (np.array([one.get(p, np.nan) for one in spread]) for p in ("p5", "p50", "p95"))
         colour = style.TRACKERS[i]
         text = None if lines is None else f"{label(lines)} = {value:g}" if isinstance(value, int | float) else value

@@ -8,7 +8,7 @@ from typing import Any
 
 from sim.reporting import style
 from sim.reporting.quantities import ABSENT, words
-from sim.reporting.study_charts import study_charts
+from sim.reporting.study_charts import figure_of, study_charts
 from sim.toml import dumps
 
 MOST_ROWS = 500  # of the table on the page; metrics.json has them all
@@ -51,7 +51,7 @@ def shown_metrics(scenario: Any, metrics: dict[str, Any]) -> list[str]:
     usual = ("overshoot_m", "settling_s", "time_saturated_s", "bank_max_deg")
     asked = scenario.study.show or [check["metric"] for check in metrics["checks"]] or usual
     flown = {name for row in metrics["rows"] for name in row}
-    return [name for name in dict.fromkeys(asked) if name in flown]
+    return [name for name in dict.fromkeys(asked) if all(part in flown for part in name.split(" / "))]
 
 
 def _axis(address: str, axis: dict[str, Any]) -> tuple[str, str]:
@@ -72,7 +72,7 @@ def _value(value: Any) -> str:
 def _row(row: dict[str, Any], axes: dict[str, Any], shown: Sequence[str]) -> list[str]:
     cells = [_spread(row[address]) if "values" not in axis else _value(row[address]) for address, axis in axes.items()]
     ended = ", ".join(f"{count} {words(name)}" for name, count in sorted(row["outcomes"].items()))
-    return [*cells, str(sum(row["outcomes"].values())), ended, *(_spread(row.get(name)) for name in shown)]
+    return [*cells, str(sum(row["outcomes"].values())), ended, *(_spread(figure_of(row, name)) for name in shown)]
 
 
 def _spread(found: dict[str, Any] | None) -> str:
