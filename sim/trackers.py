@@ -13,6 +13,7 @@ import numpy as np
 from sim import catalogue, channels, components
 from sim.errors import ScenarioError
 from sim.flight import Flight
+from sim.look_ahead import LookAhead
 from sim.observation import SensorRecord, measurements
 from sim.parameters import GIVEN, construct
 from sim.preparation import Prepared
@@ -58,17 +59,30 @@ def track(
     choices |= {name: ("own", tuple(records), None) for name in own}
     for name, (kind, sensors, choice) in choices.items():
         record = _between(measurements(records, sensors), -math.inf, float(flight.time[-1]))  # later ones come too late
-        tracker, law_from = (own[name], None) if choice is None else build(prepared, name, choice)
+        tracker, law_from = (
+            (_own(prepared, own[name], sensors), None) if choice is None else build(prepared, name, choice)
+        )
         figures[name] = {"kind": kind, "law_from": law_from, "overall": {}, "by_phase": {}}
         start = begins(prepared, name, sensors, record, flight)
         if start is None:
             continue  # never in sight: n/a, not an error
         record = _between(record, start, math.inf)
         prior = _prior(prepared, flight, records, name, tracker, start, number)
-        tracked[name] = Tracked(run_tracker(tracker, record, prior, start=start), record, law_from)
+        watched = {sensor: prepared.scenario.sensors[sensor] for sensor in sensors}
+        ahead = LookAhead(tracker, flight, record.arrival, watched)
+        tracked[name] = Tracked(run_tracker(tracker, record, prior, start, ahead), record, law_from)
+        figures[name]["look_ahead"] = ahead.figures()
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
             figures[name] |= _judge(prepared, flight, sensors, tracked[name])
     return tracked, figures
+
+
+def _own(prepared: Prepared, tracker: Any, names: tuple[str, ...]) -> Any:
+    """A caller's tracker; one with a ``measurement`` (an adapted filterpy object, say) reads this scenario's radars."""
+    if not (dataclasses.is_dataclass(tracker) and "measurement" in _given(type(tracker))):
+        return tracker
+    sensors = {name: prepared.scenario.sensors[name] for name in names}
+    return dataclasses.replace(tracker, measurement=measurement_model(sensors, chart_height(prepared), "own"))
 
 
 def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, str | None]:

@@ -221,6 +221,30 @@ def folded(control: Steering, dt: float) -> Array:
     return lift(F, 2, batch) + lift(B[:, None], 2, batch) * feedback
 
 
+def closed(control: Steering, dt: float, noise: Array) -> tuple[Array, Array]:
+    """Transition and noise (2, 2, *C) across the path over dt with the slopes of the law acting all the while.
+
+    The transition is ``expm((F + B C) dt)`` by its series to the fifth order: a sub-step is short beside the law's own
+    time, so what is left out is below 1e-6. ``noise`` (2, 2) is that of free motion; the law has acted on it for half
+    of dt on average.
+    """
+    half = _series(control, 0.5 * dt)
+    halfway = np.einsum("ij...,jk->ik...", half, np.array([[1.0, -0.5 * dt], [0.0, 1.0]]))
+    shaped = np.einsum("ij...,jk,lk...->il...", halfway, noise, halfway)
+    return np.einsum("ij...,jk...->ik...", half, half), shaped
+
+
+def _series(control: Steering, dt: float) -> Array:
+    slope, rate = GRAVITY * control.per_cross_track * dt, GRAVITY * control.per_cross_track_rate * dt
+    A = np.zeros((2, 2, *np.shape(slope)))
+    A[0, 1], A[1, 0], A[1, 1] = dt, slope, rate
+    one = lift(np.eye(2), 2, A.ndim - 2)
+    F = one + A / 5.0
+    for order in (4.0, 3.0, 2.0, 1.0):
+        F = one + np.einsum("ij...,jk...->ik...", A / order, F)
+    return F
+
+
 def embed(normal: Array, across: Array, along: Array) -> Array:
     """Matrix (n, n, *C) that is ``across`` (2, 2, *C) along the normal and ``along`` (2, 2) at right angles to it."""
     if len(normal) == 1:

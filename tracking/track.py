@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
@@ -152,10 +152,18 @@ def follow(
         yield Epoch(index, now, estimate, innovation, state)
 
 
-def track(tracker: Tracker, measurements: Measurements, prior: Gaussian, start: float | None = None) -> Track:
-    """Run a tracker through a record and keep every estimate (see `follow` for the arguments)."""
+def track(
+    tracker: Tracker,
+    measurements: Measurements,
+    prior: Gaussian,
+    start: float | None = None,
+    watch: Callable[[Epoch], None] | None = None,
+) -> Track:
+    """Run a tracker through a record and keep every estimate; ``watch`` is shown each epoch (see also `follow`)."""
     times, means, covs, weights, innovations = [], [], [], [], []
     for epoch in follow(tracker, measurements, prior, start):
+        if watch is not None:
+            watch(epoch)
         estimate = epoch.estimate
         if isinstance(estimate, Mixture):
             weights.append(estimate.weights)

@@ -94,7 +94,7 @@ def test_one_covariance_serves_all_runs_of_a_line():
 
 
 def test_one_leg_of_a_route_is_the_line():
-    """0.5 % and 1 % of a standard deviation: a feedback held for 0.1 s is late by 0.05 s of a 107 s period."""
+    """Feedback over a sub-step is exact, the noise within it right to the second order: (0.5 s)^2 of a 107 s period."""
     rng = np.random.default_rng(2)
     line = line_truth(flown_by(NOMINAL), (800.0, 0.0), 120.0, rng, 5, density=0.0)
     along = np.broadcast_to(100.0 * 4.0 * np.arange(len(line))[:, None], line[:, 0].shape)

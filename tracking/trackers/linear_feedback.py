@@ -17,8 +17,8 @@ from tracking.reference_path import (
     Placed,
     ReferencePath,
     check_tuning,
+    closed,
     embed,
-    folded,
     reference_path,
     steering,
     sub_steps,
@@ -42,7 +42,7 @@ class LinearFeedback:
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
     acceleration_density: Annotated[float, "m2/s3"] = 0.1
-    sub_step: Annotated[float, "s"] = 0.1
+    sub_step: Annotated[float, "s"] = 0.5
 
     def __post_init__(self) -> None:
         check_tuning(self.acceleration_density, self.sub_step)
@@ -89,7 +89,12 @@ class LinearFeedback:
             off_leg[0::2], off_leg[1::2] = normal * deviation.cross_track, normal * deviation.cross_track_rate
             on_leg = mean - off_leg
             control = steering(self.law, self._path, place, on_leg)
-            transition = embed(normal, folded(control, step), F[:2, :2])
-            moved = predict(Gaussian(off_leg, cov), transition, Q, F @ on_leg)
+            transition, noise = closed(control, step, Q[:2, :2])
+            moved = predict(
+                Gaussian(off_leg, cov),
+                embed(normal, transition, F[:2, :2]),
+                embed(normal, noise, Q[:2, :2]),
+                F @ on_leg,
+            )
             state = Placed(moved, self._path.advance(place, moved.mean, step))
         return state
