@@ -144,8 +144,8 @@ def _first_seen(plots: dict[str, Any]) -> int:
 
 
 def _from(first: int, values: np.ndarray) -> np.ndarray:
-    """The values from an epoch on, NaN before it."""
-    hidden = values.copy()
+    """The finite values from an epoch on, NaN elsewhere."""
+    hidden = np.where(np.isfinite(values), values, np.nan)
     hidden[:first] = np.nan
     return hidden
 

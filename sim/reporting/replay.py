@@ -36,7 +36,7 @@ def replay(flight: Flight, scenario: Any, followed: list[Followed], records: dic
     far = turn @ np.array(scenario.runway.to_local(RUNWAY_LENGTH * 1e3, 0.0))
     return {
         "flight": {
-            "t": _listed(flight.time[few], 2),
+            "t": _listed(flight.time[few], 3),
             "x": _listed(x),
             "y": _listed(y),
             "flown": _listed(flown[few], 0),
@@ -76,7 +76,7 @@ def _plots(flight: Flight, scenario: Any, name: str, record: Any, turn: np.ndarr
     x, y = (nowhere, nowhere) if place is None else turn @ place
     return {
         "name": words(name),
-        "t": _listed(some.arrival, 2),
+        "t": _listed(some.arrival, 3),
         "x": _listed(x),
         "y": _listed(y),
         "height": _listed(nowhere if height is None else height),
@@ -129,7 +129,7 @@ def _estimates(one: Followed, turn: np.ndarray) -> dict[str, Any]:
         "colour": one.look["color"],
         "dashed": one.look["dashes"] != style.SOLID,
         "law": one.law_from,
-        "t": _listed(one.time[few], 2),
+        "t": _listed(one.time[few], 3),
         "x": _listed(x),
         "y": _listed(y),
         "long": _listed(2 * long),
