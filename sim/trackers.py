@@ -56,7 +56,10 @@ def track(
     tracked: dict[str, Tracked] = {}
     figures: dict[str, Any] = {}
     choices = {name: (choice.kind, choice.sensors, choice) for name, choice in prepared.scenario.trackers.items()}
-    choices |= {name: ("own", tuple(records), None) for name in own}
+    places = tuple(name for name in records if _gives_place(prepared.scenario.sensors[name]))
+    choices |= {
+        name: ("own", places if _reads_places(tracker) else tuple(records), None) for name, tracker in own.items()
+    }
     for name, (kind, sensors, choice) in choices.items():
         record = _between(measurements(records, sensors), -math.inf, float(flight.time[-1]))  # later ones come too late
         tracker, law_from = (
@@ -77,9 +80,13 @@ def track(
     return tracked, figures
 
 
+def _reads_places(tracker: Any) -> bool:
+    return dataclasses.is_dataclass(tracker) and "measurement" in _given(type(tracker))
+
+
 def _own(prepared: Prepared, tracker: Any, names: tuple[str, ...]) -> Any:
     """A caller's tracker; one with a ``measurement`` (an adapted filterpy object, say) reads this scenario's radars."""
-    if not (dataclasses.is_dataclass(tracker) and "measurement" in _given(type(tracker))):
+    if not _reads_places(tracker):
         return tracker
     sensors = {name: prepared.scenario.sensors[name] for name in names}
     return dataclasses.replace(tracker, measurement=measurement_model(sensors, chart_height(prepared), "own"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from aircraft.state import AircraftState
 from sim import channels, components
 from sim.errors import ScenarioError
 from sim.experiment import fly
+from sim.look_ahead import LookAhead, narrowed
 from sim.navigation import navigator
 from sim.observation import measurements, observe
 from sim.preparation import prepare
@@ -217,3 +219,53 @@ def test_a_tracker_that_sees_nothing_has_no_figures():
     tracks, figures = track(prepared, flight, observe(flight, prepared.scenario.sensors, 1, 0, 6), {})
     assert tracks == {}
     assert figures["t"]["overall"] == {}
+
+
+def test_looking_ahead_is_the_tracker_s_own_prediction(flown, tracked):
+    """The look-ahead of a constant-velocity filter is a straight line from its estimate."""
+    prepared, flight, records = flown
+    record = measurements(records, tuple(RADARS))
+    times = record.arrival
+    sensors = {name: prepared.scenario.sensors[name] for name in RADARS}
+    one = tracked[0]["kalman"].track
+    tracker, _ = build(prepared, "kalman", prepared.scenario.trackers["kalman"])
+    ahead = LookAhead(tracker, flight, times, sensors)
+    instants = sorted(ahead.wanted)
+    squares = []
+    for instant in instants:
+        mean = one.mean[np.flatnonzero(one.time == instant)[0]]
+        truth = channels.truth_at(flight, np.array([instant + 20.0]))
+        error = mean[[0, 2]] + 20.0 * mean[[1, 3]] - truth.position[:2]
+        squares.append((error**2).sum(axis=0))
+    expected = np.sqrt(np.mean(squares))
+    assert tracked[1]["kalman"]["look_ahead"]["20_s"]["position_m"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_states_are_narrowed_to_some_draws_whatever_they_hold():
+    class Held(NamedTuple):
+        mean: np.ndarray
+        table: dict
+        clock: float
+
+    held = Held(np.arange(12.0).reshape(2, 6), {"a": (np.ones((3, 3, 6)), np.ones((3, 3)))}, 2.0)
+    cut = narrowed(held, 6, 4)
+    assert cut.mean.shape == (2, 4)
+    assert [part.shape for part in cut.table["a"]] == [(3, 3, 4), (3, 3)]
+    assert cut.clock == 2.0
+
+
+def test_a_filterpy_object_reads_the_radars_of_the_scenario(flown):
+    from filterpy.kalman import KalmanFilter
+
+    from tracking.filterpy_adapter import from_filterpy
+
+    prepared, flight, records = flown
+    kf = KalmanFilter(dim_x=4, dim_z=2)
+    kf.F = np.kron(np.eye(2), [[1.0, 4.0], [0.0, 1.0]])
+    kf.H = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
+    kf.Q = np.kron(np.eye(2), 3.0 * np.array([[64 / 3, 8.0], [8.0, 4.0]]))
+    mine = from_filterpy(kf, channels=("north", "north_rate", "east", "east_rate"), period=4.0)
+    alone = replace(prepared, scenario=replace(prepared.scenario, trackers={}))
+    only = {name: records[name] for name in ("radar", "link")}
+    _, figures = track(alone, flight, only, {"mine": mine})
+    assert figures["mine"]["overall"]["position_m"]["gain"] > 0.8
