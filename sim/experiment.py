@@ -205,7 +205,9 @@ def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray
         arrays[f"{name}.arrival_s"] = record.arrival
         arrays[f"{name}.channels"] = np.array(record.channels)
         arrays[f"{name}.z"] = record.z
-        arrays[f"{name}.R"] = record.R
+        # sensors' errors are independent: R is diagonal
+        R = record.R if record.R.ndim == 4 else record.R[..., None]
+        arrays[f"{name}.sigma"] = np.sqrt(np.einsum("kiin->kin", R))
     return arrays
 
 

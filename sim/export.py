@@ -15,7 +15,7 @@ from sim.errors import OutputError
 from sim.output import MARK, staged
 
 RECORDS = ("flight", "measurements", "tracks")
-ANGLES = ("azimuth", "elevation", "bearing", "course", "bank", "heading", "turn")  # all other channels are lengths
+ANGLES = ("azimuth", "elevation", "bearing", "course", "bank", "heading", "turn", "path_angle")  # all other channels are lengths
 PER_TIME = {"_rate": "ps", "_speed": "ps", "_acceleration": "ps2"}  # how a channel's name ends -> how its unit does
 Columns = dict[str, np.ndarray]
 
@@ -76,18 +76,18 @@ def _table(arrays: Columns) -> Columns:
     draws = values.shape[2]
     columns = {name: np.repeat(column, draws) for name, column in columns.items()}
     columns["draw"] = np.tile(np.arange(draws), count)
-    spread = next(arrays[name] for name in ("R", "cov") if name in arrays)
-    variance = np.diagonal(spread, axis1=1, axis2=2)  # (k, m), or (k, draws or 1, m)
-    variance = np.broadcast_to(variance[:, None] if variance.ndim == 2 else variance, (count, draws, len(channels)))
+    sigma = np.broadcast_to(arrays["sigma"], values.shape)
     for row, channel in enumerate(channels):
         columns[_with_unit(channel)] = values[:, row].ravel()
-        columns[_with_unit(f"{channel}_sigma")] = np.sqrt(variance[:, :, row]).ravel()
+        columns[_with_unit(f"{channel}_sigma")] = sigma[:, row].ravel()
     return columns
 
 
 def _with_unit(channel: str) -> str:
     """The channel, or its standard deviation, with the SI suffix of its quantity."""
     plain = channel.removesuffix("_sigma")
+    if "load_factor" in plain:
+        return channel
     quantity = "rad" if any(angle in plain for angle in ANGLES) else "m"
     per_time = next((suffix for ending, suffix in PER_TIME.items() if plain.endswith(ending)), "")
     return f"{channel}_{quantity}{per_time}"

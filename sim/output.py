@@ -68,6 +68,6 @@ def plain(value: Any) -> Any:
 
 
 def write_npz(path: Path, arrays: dict[str, Any]) -> None:
-    """A compressed file of named arrays; the name of each carries its unit."""
+    """A file of named arrays; the name of each carries its unit. Noise does not compress, so nothing is compressed."""
     with path.open("wb") as file:
-        np.savez_compressed(file, **{name: np.asarray(array) for name, array in arrays.items()})
+        np.savez(file, **{name: np.asarray(array) for name, array in arrays.items()})

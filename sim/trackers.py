@@ -33,12 +33,17 @@ class Tracked(NamedTuple):
     law_from: str | None
 
     def arrays(self, name: str) -> dict[str, np.ndarray]:
-        """For tracks.npz."""
+        """For tracks.npz: all draws in single precision (a millimetre), the whole covariance for draw 0."""
+        track = self.track
+        cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
+        with np.errstate(invalid="ignore"):  # a lost track is a result
+            sigma = np.sqrt(np.einsum("kiin->kin", cov))
         arrays = {
-            f"{name}.time_s": self.track.time,
-            f"{name}.channels": np.array(self.track.channels),
-            f"{name}.mean": self.track.mean,
-            f"{name}.cov": self.track.cov,
+            f"{name}.time_s": track.time,
+            f"{name}.channels": np.array(track.channels),
+            f"{name}.mean": track.mean.astype(np.float32),
+            f"{name}.sigma": sigma.astype(np.float32),
+            f"{name}.cov_of_draw_0": cov[..., 0],
         }
         if self.track.model_probabilities is not None:
             arrays[f"{name}.model_probabilities"] = self.track.model_probabilities

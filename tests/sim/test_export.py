@@ -34,7 +34,7 @@ def run_folder(tmp_path):
             "radar.time_s": TIME,
             "radar.channels": np.array(("range", "azimuth")),
             "radar.z": Z,
-            "radar.R": np.tile(np.diag((3600.0, 4e-6)), (3, 1, 1)),
+            "radar.sigma": np.tile(np.array((60.0, 0.002))[:, None], (3, 1, 1)),
         },
     )
     write_npz(
@@ -43,7 +43,7 @@ def run_folder(tmp_path):
             "mine.time_s": TIME,
             "mine.channels": np.array(("north", "north_rate")),
             "mine.mean": Z,
-            "mine.cov": np.tile(np.diag((100.0, 25.0))[:, :, None], (3, 1, 1, 2)) * (1.0, 4.0),
+            "mine.sigma": np.tile(np.array((10.0, 5.0))[:, None], (3, 1, 2)) * (1.0, 2.0),
         },
     )
     return tmp_path
