@@ -15,7 +15,7 @@ from sim.errors import OutputError
 from sim.output import MARK, staged
 
 RECORDS = ("flight", "measurements", "tracks")
-ANGLES = ("azimuth", "elevation", "bearing", "course", "bank", "heading", "turn", "path_angle")  # all other channels are lengths
+ANGLES = ("azimuth", "elevation", "bearing", "course", "bank", "heading", "turn", "path_angle")  # others are lengths
 PER_TIME = {"_rate": "ps", "_speed": "ps", "_acceleration": "ps2"}  # how a channel's name ends -> how its unit does
 Columns = dict[str, np.ndarray]
 

@@ -149,7 +149,7 @@ def test_a_sensor_that_saw_nothing_has_a_header_and_no_rows(run_folder):
         "time_s": np.empty(0),
         "channels": np.array(("range",)),
         "z": np.empty((0, 1, 2)),
-        "R": np.empty((0, 1, 1)),
+        "sigma": np.empty((0, 1, 1)),
     }
     write_npz(run_folder / "measurements.npz", {f"radar.{name}": array for name, array in empty.items()})
     export_csv(run_folder)
