@@ -122,6 +122,33 @@ def _workers(asked: int | None) -> int:
 
 
 @app.command()
+def claims(
+    papers: Annotated[list[str] | None, typer.Argument(metavar="[PAPER]...", help="Default: all.")] = None,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder for claims.json and the pages.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer runs: wider intervals.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON.")] = False,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
+) -> None:
+    """Measure what the papers claim, and say which claims hold."""
+    from sim import claims as ledger
+    from sim.claims.text import table
+    from sim.output import claim, plain
+
+    chosen = ledger.chosen(papers or ())
+    if out is not None:
+        claim(out)
+    seed = ledger.SEED if seed is None else seed
+    rows = list(ledger.measured(chosen, seed, quick, _progress()))
+    if out is not None:
+        from sim.reporting.claims_page import write
+
+        write(out, rows, seed)
+    typer.echo(json.dumps(plain([row.plain() for row in rows]), indent=1) if as_json else table(rows))
+    if out is not None and not as_json:
+        typer.echo(f"page: {out / 'claims.html'}")
+
+
+@app.command()
 def validate(file: Scenario, sets: Sets = None) -> None:
     """Say whether a scenario can be flown, and everything that is wrong with it."""
     from sim.preparation import prepare

@@ -1,0 +1,41 @@
+"""The claims of the papers, each measured and judged by one rule; a paper is one file that lists its claims."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+from typing import Any
+
+from sim.errors import ScenarioError, did_you_mean
+
+PAPERS = ("vasylyev2003", "kychak2011")
+SEED = 2026
+
+
+def chosen(papers: Iterable[str]) -> tuple[str, ...]:
+    """The papers asked for, in order and once, or all; raises ``ScenarioError`` for an unknown one."""
+    asked = tuple(dict.fromkeys(papers))
+    for paper in asked:
+        if paper not in PAPERS:
+            raise ScenarioError(f"paper '{paper}' is not known; {did_you_mean(paper, PAPERS)}")
+    return asked or PAPERS
+
+
+def claims_of(paper: str) -> tuple[Any, ...]:
+    """The claims of one paper."""
+    return tuple(import_module(f"sim.claims.{paper}").CLAIMS)
+
+
+def plots_of(paper: str, seed: int = SEED) -> tuple[Any, ...]:
+    """The figures of one paper, from our own runs."""
+    return tuple(import_module(f"sim.claims.{paper}").plots(seed))
+
+
+def measured(papers: Iterable[str] = (), seed: int = SEED, quick: bool = False, progress: Any = None) -> Iterator[Any]:
+    """Rows of the ledger, one after the other; ``progress`` wraps the work as `sim.progress.bar` does."""
+    from sim.claims.ledger import measure
+
+    work = [(paper, claim) for paper in chosen(papers) for claim in claims_of(paper)]
+    shown = work if progress is None else progress(work, len(work), "claims")
+    for paper, claim in shown:
+        yield measure(paper, claim, seed, quick)
