@@ -9,11 +9,12 @@ import numpy as np
 from sim.flight import Flight
 from sim.reporting import style
 from sim.reporting.curves import phase_strip
+from sim.reporting.followed import MANY, pooled, windows
 from sim.reporting.histories import STRIP, TIME
 from sim.reporting.quantities import words
 from sim.reporting.thinning import peaks
 
-BINS = 600
+BINS = 200  # of the stated accuracy
 MOST_SAMPLES = 2500  # points of the anomaly strip
 MODES = ("#08519C", "#3182BD", "#6BAED6", "#9ECAE1", "#C6DBEF")  # laws, from the least limit to the greatest
 FREE = ("#FDD0A2", "#D94801", "#7F2704", "#A1A1A1")
@@ -39,11 +40,12 @@ def model_probabilities(flight: Flight, tracked: dict[str, Any], modes: dict[str
     figure, (strip, *panels) = style.panels(STRIP, *(1.0 for _ in shown))
     phase_strip(strip, flight)
     for axes, (name, track) in zip(panels, shown.items(), strict=True):
-        mean = track.model_probabilities.mean(axis=2)
-        chosen = np.unique(np.concatenate([peaks(row, BINS // mean.shape[1]) for row in mean.T]))
-        low = np.zeros(len(chosen))
-        for label, colour, share in zip(modes[name], _colours(modes[name]), mean[chosen].T, strict=True):
-            axes.fill_between(track.time[chosen], low, low + share, color=colour, linewidth=0, label=label)
+        edges = windows(track.time, 0, flight, track.mean.shape[2])
+        time = pooled(track.time, edges)
+        low = np.zeros(len(edges))
+        for index, (label, colour) in enumerate(zip(modes[name], _colours(modes[name]), strict=True)):
+            share = pooled(track.model_probabilities[:, index], edges)
+            axes.fill_between(time, low, low + share, color=colour, linewidth=0, label=label)
             low = low + share
         axes.set_ylim(0, 1)
         axes.set_yticks((0, 0.5, 1))
@@ -78,6 +80,8 @@ def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any]) -> Any
         row = next((i for i, channel in enumerate(record.channels) if channel.endswith(".elevation")), None)
         if choice is None or choice.kind != "switching_noise" or row is None or weights is None:
             continue
+        from matplotlib.ticker import FuncFormatter
+
         from sim.channels import truth_at
 
         sensor_name, _, channel = record.channels[row].partition(".")
@@ -88,7 +92,7 @@ def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any]) -> Any
         error = np.degrees(record.z[order, row, 0] - exact)
         sigma = np.degrees(np.sqrt(np.reshape(record.R[order, row, row], (len(time), -1))[:, 0]))
         worse = 1.0 - weights[:, 0, 0]
-        figure, (strip, samples, belief) = style.panels(STRIP, 1.7, 0.9)
+        figure, (strip, samples, belief) = style.panels(STRIP, 1.7, 0.9, top=0.26)
         phase_strip(strip, flight)
         few = np.flatnonzero(np.isfinite(error))
         few = few[:: max(1, len(few) // MOST_SAMPLES)]
@@ -102,12 +106,21 @@ def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any]) -> Any
         for side in (-2, 2):
             samples.plot(time[chosen], side * sigma[chosen], color=style.BLACK, linewidth=0.6, dashes=(4, 2))
         samples.set_yscale("symlog", linthresh=max(2 * float(np.nanmedian(sigma)), 1e-6))
-        samples.set_ylabel(f"{sensor_name} {channel}\nerror, deg")
-        samples.legend(loc="upper left", ncols=2, markerscale=4)
-        chosen = peaks(worse, BINS)
-        belief.fill_between(one.track.time[chosen], worse[chosen], color=style.VERMILION, linewidth=0)
+        half = 1.4 * float(np.abs(error[few]).max()) if few.size else 1.0
+        ticks = [tick for tick in (0.01, 0.1, 1.0, 10.0) if 2 * float(np.nanmedian(sigma)) <= tick <= half]
+        samples.set_ylim(-half, half)
+        samples.set_yticks([*(-tick for tick in ticks), 0.0, *ticks])
+        samples.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+        samples.minorticks_off()
+        samples.set_ylabel(f"error of {channel}, deg")
+        figure.legend(
+            *samples.get_legend_handles_labels(), loc="upper left", ncols=2, markerscale=4,
+            bbox_to_anchor=(style.LEFT / style.WIDTH, 1.0),
+        )  # fmt: skip
+        edges = windows(one.track.time, 0, flight, MANY)
+        belief.fill_between(pooled(one.track.time, edges), pooled(worse, edges), color=style.VERMILION, linewidth=0)
         belief.set_ylim(0, 1)
-        belief.set_ylabel("probability")
+        belief.set_ylabel("mean probability")
         belief.set_xlabel(TIME)
         return figure
     return None

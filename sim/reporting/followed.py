@@ -9,27 +9,31 @@ import numpy as np
 from sim import channels
 from sim.flight import Flight
 from sim.reporting import style
+from sim.reporting.thinning import runs
 
 FIRST = ("position_m", "cross_track_m", "height_m")  # channels in the order in which they are shown
-LEVELS = (2.5, 97.5)  # %, of the draws
+LEVELS = (2.5, 97.5)  # %, of errors
+WINDOWS = 240  # most points of a curve
+MANY, FEW_WINDOWS = 30, 80  # with fewer draws than MANY a point needs more epochs behind it
 
 
 class Curves(NamedTuple):
-    """One comparison channel of one tracker over its k epochs."""
+    """One comparison channel of one tracker over w short windows of time, over all draws and epochs in each."""
 
-    rmse: np.ndarray  # (k,) over draws
-    sigma: np.ndarray  # (k,) of the tracker's own covariance, root of the mean trace
-    raw: np.ndarray  # (k,) RMSE of the measurement itself; NaN where there was none
-    low: np.ndarray  # (k,) percentiles of the signed error, of one dimension only
-    high: np.ndarray  # (k,)
-    p95: np.ndarray  # (k,) 95th percentile of the size of the error
-    anees: np.ndarray  # (k,) mean normalised error squared per dimension
+    rmse: np.ndarray  # (w,)
+    sigma: np.ndarray  # (w,) of the tracker's own covariance, root of the mean trace
+    raw: np.ndarray  # (w,) RMSE of the measurement itself; NaN where there was none
+    low: np.ndarray  # (w,) percentiles of the signed error, of one dimension only
+    high: np.ndarray  # (w,)
+    p95: np.ndarray  # (w,) 95th percentile of the size of the error
+    anees: np.ndarray  # (w,) mean normalised error squared per dimension
     of_draws: np.ndarray  # (draws,) mean squared error over the epochs that were measured
 
 
 class Shown(NamedTuple):
     """Where one draw of a tracker was, for maps; NaN where it did not know or had seen nothing yet."""
 
+    time: np.ndarray  # (k,) s
     place: np.ndarray  # (k, 2) m north, east
     spread: np.ndarray  # (k, 2, 2) m2
     height: np.ndarray  # (k,) m; of an angle, at the true distance
@@ -42,13 +46,12 @@ class Followed(NamedTuple):
     name: str
     law_from: str | None
     look: dict[str, Any]  # colour and dashes, the same in every figure
-    time: np.ndarray  # (k,) s
-    phase: np.ndarray  # (k,) index into the flight's phases
-    leg: np.ndarray  # (k,)
+    time: np.ndarray  # (w,) s, middle of each window, since the first measurement
+    phase: np.ndarray  # (w,) index into the flight's phases
     draws: int
     curves: dict[str, Curves]
-    nis: np.ndarray  # (k,) mean normalised innovation squared per measured component
-    nis_samples: np.ndarray  # (k,) how many measured components are behind each
+    nis: np.ndarray  # (w,) mean normalised innovation squared per measured component
+    nis_samples: np.ndarray  # (w,) how many measured components are behind each
     sensors: tuple[str, ...]
     shown: Shown  # draw 0
 
@@ -79,20 +82,48 @@ def _one(scenario: Any, flight: Flight, name: str, look: dict[str, Any], one: An
     order = np.argsort(record.arrival, kind="stable")
     taken = channels.truth_at(flight, record.time[order])
     plots = channels.raw(flight, taken, record.channels, record.z[order], sensors, flight.route.legs[0].height)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        curves = {channel: _curves(it, plots.get(channel)) for channel, it in compared.items()}
-        samples = np.isfinite(track.white).sum(axis=(1, 2))
-        nis = np.where(samples > 0, np.nansum(track.nis, axis=1) / np.maximum(samples, 1), np.nan)
-    draws = track.mean.shape[2]
-    first = _first_seen(plots)
-    curves = {c: Curves(*(_from(first, values) for values in it[:-1]), it.of_draws) for c, it in curves.items()}
-    shown = Shown(*(_from(first, values) for values in _shown(truth, sensors, compared)))
+    first, draws = _first_seen(plots), track.mean.shape[2]
+    edges = windows(track.time, first, flight, draws)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        curves = {channel: _curves(it, plots.get(channel), edges) for channel, it in compared.items()}
+        lengths = np.array([b - a for a, b in edges])
+        counted = pooled(np.isfinite(track.white).sum(axis=(1, 2)), edges)
+        nis = np.where(counted > 0, pooled(np.nansum(track.nis, axis=1), edges) / counted, np.nan)
+        samples = np.round(counted * lengths)
+        shown = Shown(track.time, *(_from(first, values) for values in _shown(truth, sensors, compared)))
+    middle = np.array([(a + b - 1) // 2 for a, b in edges], int)
     return Followed(
-        name, one.law_from, look, track.time, truth.phase, truth.leg, draws, curves, nis, samples, tuple(sensors), shown
+        name, one.law_from, look, pooled(track.time, edges), truth.phase[middle], draws, curves, nis, samples,
+        tuple(sensors), shown,
     )  # fmt: skip
 
 
-def _shown(truth: Any, sensors: dict[str, Any], compared: dict[str, Any]) -> Shown:
+def windows(time: np.ndarray, first: int, flight: Flight, draws: int) -> list[tuple[int, int]]:
+    """(first, one past last) epochs of windows of equal length in time, from the first measurement on."""
+    most = WINDOWS if draws >= MANY else FEW_WINDOWS
+    width = max(float(flight.time[-1] - flight.time[0]), 1e-6) / most
+    place = np.floor((time[first:] - flight.time[0]) / width)
+    return [(first + a, first + b) for a, b in runs(place)]
+
+
+def pooled(values: np.ndarray, edges: list[tuple[int, int]]) -> np.ndarray:
+    """(w,) mean over the epochs of each window, and over whatever axes follow."""
+    starts, ends = np.array(edges).T
+    return np.asarray(np.add.reduceat(values.reshape(len(values), -1).mean(axis=1), starts) / (ends - starts))
+
+
+def _percentiles(values: np.ndarray, edges: list[tuple[int, int]], levels: tuple[float, ...]) -> np.ndarray:
+    """(levels, w) percentiles of the values (k, draws) in each window; windows of one length at a time."""
+    starts, ends = np.array(edges).T
+    found = np.empty((len(levels), len(edges)))
+    for length in np.unique(ends - starts):
+        chosen = ends - starts == length
+        rows = values[starts[chosen, None] + np.arange(length)].reshape(int(chosen.sum()), -1)
+        found[:, chosen] = np.percentile(rows, levels, axis=1)
+    return found
+
+
+def _shown(truth: Any, sensors: dict[str, Any], compared: dict[str, Any]) -> tuple[np.ndarray, ...]:
     """Place and height of draw 0; the height of an elevation is that at the true distance from its antenna."""
     k = len(truth.time)
     place, spread, height, sigma = (np.full((k, *shape), np.nan) for shape in ((2,), (2, 2), (), ()))
@@ -110,31 +141,29 @@ def _shown(truth: Any, sensors: dict[str, Any], compared: dict[str, Any]) -> Sho
         slope = distance * (1.0 + ((truth.position - antenna)[2] / distance) ** 2)  # d height / d elevation
         height = truth.position[2] + slope * np.radians(error[:, 0, 0])
         sigma = slope * np.radians(np.sqrt(cov[:, 0, 0, 0]))
-    return Shown(place, spread, height, sigma)
+    return place, spread, height, sigma
 
 
-def _curves(compared: Any, plots: Any) -> Curves:
-    squares = channels.squared(compared)
-    spread = np.einsum("kiin->kn", compared.cov).mean(axis=1)
-    nowhere = np.full(len(squares), np.nan)
-    raw = nowhere
-    if plots is not None:
-        measured = channels.squared(plots)
-        seen = np.isfinite(measured)
-        total = np.where(seen, measured, 0.0).sum(axis=1)
-        raw = np.where(seen.any(axis=1), np.sqrt(total / np.maximum(seen.sum(axis=1), 1)), np.nan)
-    low, high = np.percentile(compared.error[:, 0], LEVELS, axis=1) if compared.error.shape[1] == 1 else (nowhere,) * 2
-    looked = np.isfinite(raw) if np.isfinite(raw).any() else np.ones(len(raw), bool)
-    return Curves(
-        np.sqrt(squares.mean(axis=1)),
-        np.sqrt(spread),
-        raw,
-        low,
-        high,
-        np.sqrt(np.percentile(squares, 95.0, axis=1)),
-        channels.normalised(compared).mean(axis=1) / compared.error.shape[1],
-        squares[looked].mean(axis=0),
-    )
+def _curves(compared: Any, plots: Any, edges: list[tuple[int, int]]) -> Curves:
+    squares, dimension = channels.squared(compared), compared.error.shape[1]
+    spread = np.einsum("kiin->kn", compared.cov)
+    measured = np.full(squares.shape, np.nan) if plots is None else channels.squared(plots)
+    seen = np.isfinite(measured)
+    share = pooled(seen, edges)
+    raw = np.where(share > 0, np.sqrt(pooled(np.where(seen, measured, 0.0), edges) / share), np.nan)
+    low = high = np.full(len(edges), np.nan)
+    if dimension == 1:
+        low, high = _percentiles(compared.error[:, 0], edges, LEVELS)
+    (p95,) = _percentiles(squares, edges, (95.0,))
+    looked = seen.any(axis=1) if seen.any() else np.ones(len(squares), bool)
+    rmse, sigma = np.sqrt(pooled(squares, edges)), np.sqrt(pooled(spread, edges))
+    anees = pooled(channels.normalised(compared), edges) / dimension
+    curves = (_finite(curve) for curve in (rmse, sigma, raw, low, high, np.sqrt(p95), anees))
+    return Curves(*curves, squares[looked].mean(axis=0))
+
+
+def _finite(values: np.ndarray) -> np.ndarray:
+    return np.where(np.isfinite(values), values, np.nan)
 
 
 def _first_seen(plots: dict[str, Any]) -> int:
@@ -145,7 +174,7 @@ def _first_seen(plots: dict[str, Any]) -> int:
 
 def _from(first: int, values: np.ndarray) -> np.ndarray:
     """The finite values from an epoch on, NaN elsewhere."""
-    hidden = np.where(np.isfinite(values), values, np.nan)
+    hidden = _finite(values)
     hidden[:first] = np.nan
     return hidden
 

@@ -121,7 +121,7 @@ def height_of_plots(flight: Flight, sensor: Any, record: Any) -> np.ndarray | No
 
 def _estimates(one: Followed, turn: np.ndarray) -> dict[str, Any]:
     """Places, 2 sigma ellipses (semi-axes, direction of the longer) and heights of one tracker."""
-    few = np.unique(np.linspace(0, len(one.time) - 1, MOST_ESTIMATES).astype(int))
+    few = np.unique(np.linspace(0, len(one.shown.time) - 1, MOST_ESTIMATES).astype(int))
     x, y = turn @ one.shown.place[few].T
     long, short, direction = ellipse(np.einsum("ij,kjl,ml->kim", turn, one.shown.spread[few], turn))
     return {
@@ -129,7 +129,7 @@ def _estimates(one: Followed, turn: np.ndarray) -> dict[str, Any]:
         "colour": one.look["color"],
         "dashed": one.look["dashes"] != style.SOLID,
         "law": one.law_from,
-        "t": _listed(one.time[few], 3),
+        "t": _listed(one.shown.time[few], 3),
         "x": _listed(x),
         "y": _listed(y),
         "long": _listed(2 * long),

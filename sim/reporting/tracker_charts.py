@@ -45,8 +45,8 @@ def tracker_charts(
             add(
                 "Error over time",
                 error_over_time(flight, followed, bound),
-                "Root mean square over the draws at every epoch, on a logarithmic scale. Dashed: told a wrong law. "
-                "Dots: the measurements themselves."
+                "Root mean square over draws and short windows of time, on a logarithmic scale. Dashed: told a wrong "
+                "law. Dots: the measurements themselves."
                 + (
                     " Dotted: the Cramér-Rao bound on this path for one who knows every acceleration, but no route; "
                     "across track a tracker that is told where the autopilot steers may come below it."
@@ -90,7 +90,7 @@ def tracker_charts(
             "Measurement anomalies",
             anomaly_strip(flight, scenario, tracked),
             "Above: measured minus true angle of draw 0, linear within the dashed 2 σ of the stated accuracy and "
-            "logarithmic beyond. Below: the probability that the tracker gives to a worse accuracy than the stated.",
+            "logarithmic beyond. Below: the mean probability of a worse accuracy than the stated.",
         )
         if followed:
             inside = containment(flight, scenario, followed)

@@ -160,17 +160,18 @@ def error_by_phase(flight: Flight, trackers: dict[str, Any], followed: list[Foll
                     label=words(name), yerr=np.transpose(whiskers), error_kw={"linewidth": 0.6, "ecolor": "#333333"},
                 )  # fmt: skip
                 lowest = min(lowest, *tops)
+        beyond = []
         for place, phase in enumerate(flown):
             raws = [(t.get("by_phase") or {}).get(phase, {}).get(channel, {}).get("raw") for t in trackers.values()]
             raw = next((value for value in raws if value), None)
             if raw:
                 label = "raw measurement" if place == 0 else None
                 axes.plot((place - 0.45, place + 0.45), (raw, raw), color=style.BLACK, linewidth=1.1, label=label)
-                lowest = min(lowest, raw)
+                beyond.append(raw)
         axes.set_xticks(range(len(flown)), [words(phase) for phase in flown])
         axes.grid(False, axis="x")
         axes.set_ylabel(_label(channel, "RMSE"))
-        logarithmic(axes)
+        logarithmic(axes, *beyond)
         top = axes.get_ylim()[1]
         axes.set_ylim(max(0.6 * lowest, top / 10**DECADES), top)
     legend(figure, panels[0])
@@ -262,12 +263,12 @@ def thinned(axes: Any, time: np.ndarray, values: np.ndarray, **look: Any) -> Non
     axes.plot(time[chosen], values[chosen], **look)
 
 
-def logarithmic(axes: Any) -> None:
-    """A logarithmic axis of few labelled ticks, at most some decades below its greatest value."""
+def logarithmic(axes: Any, *more: float) -> None:
+    """A logarithmic axis of few labelled ticks, at most some decades below its greatest value or one of ``more``."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     values = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) > 2 or line.get_marker() != "None"]
-    values += [[bar.get_height()] for bar in axes.patches if hasattr(bar, "get_height")]
+    values += [list(more)] + [[bar.get_height()] for bar in axes.patches if hasattr(bar, "get_height")]
     every = np.concatenate([np.asarray(v, float) for v in values]) if values else np.array([1.0])
     every = every[np.isfinite(every) & (every > 0.0)]
     low, high = (float(every.min()), float(every.max())) if every.size else (0.1, 10.0)

@@ -10,7 +10,7 @@ from sim.flight import Flight
 from sim.reporting.followed import Followed
 from sim.reporting.quantities import column, number, split, words
 
-CHANNELS = ("cross_track_m", "position_m", "height_m")
+PLACES = {"cross_track_m": "across track", "position_m": "of position", "height_m": "of height"}
 TOO_SURE = 1.5  # ANEES beyond which a winner is told to be too sure of itself
 
 
@@ -33,13 +33,15 @@ def who_won(flight: Flight, trackers: dict[str, Any], followed: list[Followed]) 
         told.append(f"yet it is too sure of itself (ANEES {number(float(figures['anees']), 1)})")
     if figures.get("lost_fraction"):
         told.append(f"it lost {number(100.0 * figures['lost_fraction'], 1)} % of the draws")
+    if others and best.draws == 1:
+        told.append("one draw does not tell a lead from chance")
     return "; ".join(part for part in told if part) + "."
 
 
 def _contest(trackers: dict[str, Any], followed: list[Followed]) -> tuple[str, list[Followed]]:
     """The channel that is judged and, best first, whoever has it from the sensors that most trackers listen to."""
     able: list[Followed] = []
-    for channel in (*CHANNELS, *dict.fromkeys(c for one in followed for c in one.curves)):
+    for channel in (*PLACES, *dict.fromkeys(c for one in followed for c in one.curves)):
         able = [one for one in followed if _rmse(trackers, channel, one) is not None]
         if able:
             break
@@ -58,7 +60,7 @@ def _rmse(trackers: dict[str, Any], channel: str, one: Followed) -> float | None
 def _head(trackers: dict[str, Any], channel: str, best: Followed, rivals: list[Followed]) -> str:
     figures = trackers[best.name]["overall"][channel]
     name, unit = split(channel)
-    where = {"cross_track_m": "across track", "position_m": "of position", "height_m": "of height"}.get(channel, name)
+    where = PLACES.get(channel, f"in {name.replace(':', '')}")
     shown = column([figures["rmse"], figures.get("raw")])
     among = f"Of {len(rivals)} trackers of the same measurements {words(best.name)}" if rivals[1:] else words(best.name)
     text = f"{among} was best" if rivals[1:] else f"{among} tracked"

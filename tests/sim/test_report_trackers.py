@@ -16,7 +16,7 @@ from sim.metrics import flight_metrics
 from sim.observation import SensorRecord
 from sim.reporting import style
 from sim.reporting.beliefs import anomaly_strip, mode_names
-from sim.reporting.followed import follow
+from sim.reporting.followed import FEW_WINDOWS, follow, windows
 from sim.reporting.path_bound import path_bound
 from sim.reporting.replay import ellipse
 from sim.reporting.report import write
@@ -132,9 +132,22 @@ def test_curves_are_the_arithmetic_of_their_errors(flight):
 def test_before_its_first_plot_a_track_is_not_shown(flight):
     seen = np.arange(40) >= 15
     one, = follow(scenario(), flight, {"best": followed_by(flight, np.ones((2, 3)), seen=seen)})  # fmt: skip
-    assert np.isnan(one.curves["cross_track_m"].rmse[:15]).all()
-    assert np.isfinite(one.curves["cross_track_m"].rmse[15:]).all()
+    assert one.time[0] == pytest.approx(one.shown.time[15])
+    assert len(one.curves["cross_track_m"].rmse) == len(one.time) == 25
     assert np.isnan(one.shown.place[:15]).all()
+    assert np.isfinite(one.shown.place[15:]).all()
+
+
+def test_few_draws_are_pooled_over_windows_without_losing_an_error(flight):
+    errors = noisy(10.0, 4, 1)[np.zeros(4000, int)] * np.random.default_rng(5).normal(size=(4000, 1, 1))
+    one, = follow(scenario(), flight, {"best": followed_by(flight, errors, epochs=4000)})  # fmt: skip
+    curves = one.curves["cross_track_m"]
+    assert len(curves.rmse) <= FEW_WINDOWS
+    lengths = [b - a for a, b in windows(one.shown.time, 0, flight, 1)]
+    assert sum(lengths) == 4000
+    assert np.average(curves.rmse**2, weights=lengths) == pytest.approx(float(np.mean(errors[:, 1] ** 2)), rel=1e-9)
+    first = errors[: lengths[0], 1]
+    assert (curves.low[0], curves.high[0]) == pytest.approx(tuple(np.percentile(first, (2.5, 97.5))), rel=1e-6)
 
 
 def test_twins_share_a_colour_and_the_wrong_law_is_dashed(flight):
