@@ -28,7 +28,7 @@ from tracking.trackers.saturated_control import SaturatedControl
 
 pytestmark = pytest.mark.acceptance
 SEED = 3001
-FLIGHTS = {"route_control": 80, "saturated_control": 80, "imm": 12, "linear_feedback": 4, "truth": 1}
+FLIGHTS = {"route_control": 40, "saturated_control": 40, "imm": 12, "linear_feedback": 4, "truth": 1}
 BOX = 21.0 - 0.5 * 7.9  # m off the centreline that keep the outer main wheel within 21 m
 
 
