@@ -4,13 +4,14 @@ BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help demo test lint acceptance bench clean
+.PHONY: help demo test lint acceptance bench soak clean
 
 help:
 	@echo "make demo        fly the bundled An-26 approach and write its report"
 	@echo "make test        lint and run the tests"
 	@echo "make acceptance  measure every required figure at full size"
 	@echo "make bench       measure speed, as ratios within one run"
+	@echo "make soak        kill workers and parents of studies and compare what is left"
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "shortfinal needs Python 3.11 or newer")'
@@ -34,6 +35,9 @@ acceptance: .venv/ready
 
 bench: .venv/ready
 	$(BIN)/python tests/benchmarks/run.py
+
+soak: .venv/ready
+	$(BIN)/python tests/soak/soak.py
 
 clean:
 	rm -rf .venv out build dist

@@ -16,7 +16,8 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
-ATTEMPTS = 3  # a worker that was killed from outside is not the flight's fault; one that aborts thrice is
+ATTEMPTS = 3  # a flight whose worker aborts as often is at fault itself
+KILLS = 30  # a worker that is killed from outside is not its flight's fault, unless it happens this often
 TIME_LIMIT = 600.0  # s; the longest flight of 1800 s takes a small part of it
 MEMORY_LIMIT = 4 << 30  # bytes of address space of one worker
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -56,12 +57,13 @@ def prepare_worker(memory_limit: int) -> None:
 
 
 class Job(NamedTuple):
-    """What is to be run, and how often its worker has died of it."""
+    """What is to be run, and how often its worker has died of it or was killed."""
 
     number: int
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
-    deaths: int = 0
+    aborts: int = 0
+    kills: int = 0
 
 
 @dataclass(frozen=True)
@@ -138,13 +140,17 @@ class LocalExecutor:
         from pebble import ProcessExpired
 
         if not future.done():  # the worker died before it knew its job
-            return self._again(job), False
+            return self._again(job._replace(kills=job.kills + 1)), False
         try:
             return future.result(), True
         except TimeoutError:
             return Lost(f"no answer for {self.time_limit:g} s"), False
-        except (ProcessExpired, BrokenProcessPool):
-            return self._again(job), False
+        except BrokenProcessPool:  # the same, known to the pool
+            return self._again(job._replace(kills=job.kills + 1)), False
+        except ProcessExpired as error:
+            if error.exitcode == -signal.SIGKILL:
+                return self._again(job._replace(kills=job.kills + 1)), False
+            return self._again(job._replace(aborts=job.aborts + 1)), False
         except MemoryError:
             return Lost(f"out of memory ({self.memory_limit >> 20} MB for each worker)"), True
         except Exception as error:
@@ -152,9 +158,11 @@ class LocalExecutor:
 
     def _again(self, job: Job) -> Lost | None:
         """Puts a job back whose worker died, or gives it up."""
-        if job.deaths + 1 == ATTEMPTS:
+        if job.aborts == ATTEMPTS:
             return Lost(f"its worker process died {ATTEMPTS} times")
-        self._waiting.appendleft(job._replace(deaths=job.deaths + 1))
+        if job.kills == KILLS:
+            return Lost(f"its worker process was killed {KILLS} times")
+        self._waiting.appendleft(job)
         return None
 
 
