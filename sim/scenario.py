@@ -124,8 +124,10 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
         except OSError as error:
             raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from None
         origin = str(path)
-    elif path.suffix == ".toml" or path.is_dir() or "/" in str(source):
-        raise ScenarioError(f"{path}: no such file")
+    elif path.is_dir():
+        raise ScenarioError(f"{path}: is a folder; name a scenario file in it")
+    elif path.exists() or path.suffix == ".toml" or "/" in str(source):
+        raise ScenarioError(f"{path}: {'no regular file' if path.exists() else 'no such file'}")
     else:
         raise ScenarioError(
             f"no scenario '{source}': {did_you_mean(str(source), [*catalogue.scenarios(), *catalogue.studies()])}"
