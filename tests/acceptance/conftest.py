@@ -1,16 +1,18 @@
-"""Every measured figure becomes a row; the rows of a whole run are written to docs/acceptance.md."""
+"""Every measured figure becomes a row of docs/acceptance.md; a partial run replaces the rows that it measured."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-KEPT = ROOT / "out" / "acceptance.jsonl"
-PAGE = ROOT / "docs" / "acceptance.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "acceptance.md"
+HEAD = "# Measured figures\n\nWritten by `make acceptance`; each row is asked by an issue and measured at full size.\n"
+TOP = "| what | asked | measured | |\n|---|---|---|---|\n"
+
+Rows = dict[str, dict[str, str]]  # group -> what -> line of the table
+MEASURED: Rows = {}
 
 
 @pytest.fixture
@@ -19,44 +21,31 @@ def row(request: pytest.FixtureRequest) -> Callable[..., None]:
     group = request.node.path.stem.removeprefix("test_")
 
     def note(what: str, asked: str, measured: str, met: bool) -> None:
-        entry = {"group": group, "what": what, "asked": asked, "measured": measured, "met": bool(met)}
-        KEPT.parent.mkdir(exist_ok=True)
-        with KEPT.open("a") as file:
-            file.write(json.dumps(entry) + "\n")
+        verdict = "met" if met else "**short**"
+        what, asked, measured = (text.replace("|", "/") for text in (what, asked, measured))
+        MEASURED.setdefault(group, {})[what] = f"| {what} | {asked} | {measured} | {verdict} |"
         print(f"\n{what}: {measured} (asked {asked}) {'met' if met else 'SHORT'}")
 
     return note
 
 
-def pytest_sessionstart(session: pytest.Session) -> None:
-    if not hasattr(session.config, "workerinput"):
-        KEPT.unlink(missing_ok=True)
-
-
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    """Replace the rows of the groups that were measured; groups that were not run keep theirs."""
-    if not KEPT.exists() or hasattr(session.config, "workerinput"):
+    """Put the measured rows in their places."""
+    if not MEASURED:
         return
-    measured: dict[str, list[dict[str, object]]] = {}
-    for line in KEPT.read_text().splitlines():
-        entry = json.loads(line)
-        measured.setdefault(entry["group"], []).append(entry)
-    groups = {**_kept(), **{name: _table(rows) for name, rows in measured.items()}}
-    head = (
-        "# Measured figures\n\nWritten by `make acceptance`; each row is asked by an issue and measured at full size.\n"
-    )
+    rows = _kept()
+    for group, lines in MEASURED.items():
+        rows[group] = {**rows.get(group, {}), **lines}
+    tables = (f"\n## {group}\n\n{TOP}" + "\n".join(lines.values()) + "\n" for group, lines in sorted(rows.items()))
     PAGE.parent.mkdir(exist_ok=True)
-    PAGE.write_text(head + "".join(f"\n## {name}\n\n{table}" for name, table in sorted(groups.items())))
+    PAGE.write_text(HEAD + "".join(tables))
 
 
-def _table(rows: list[dict[str, object]]) -> str:
-    lines = ["| what | asked | measured | |", "|---|---|---|---|"]
-    lines += [f"| {r['what']} | {r['asked']} | {r['measured']} | {'met' if r['met'] else '**short**'} |" for r in rows]
-    return "\n".join(lines) + "\n"
-
-
-def _kept() -> dict[str, str]:
+def _kept() -> Rows:
     if not PAGE.exists():
         return {}
-    parts = PAGE.read_text().split("\n## ")[1:]
-    return {part.split("\n", 1)[0]: part.split("\n", 1)[1].strip() + "\n" for part in parts}
+    rows: Rows = {}
+    for part in PAGE.read_text().split("\n## ")[1:]:
+        group, *lines = part.splitlines()
+        rows[group] = {line.split(" | ")[0].removeprefix("| "): line for line in lines[4:] if line.startswith("| ")}
+    return rows
