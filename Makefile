@@ -31,6 +31,7 @@ lint: .venv/ready
 	$(BIN)/mypy
 
 acceptance: .venv/ready
+	rm -f docs/acceptance.md
 	$(BIN)/python -m pytest -m acceptance -s tests/acceptance
 
 bench: .venv/ready
