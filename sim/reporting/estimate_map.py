@@ -13,7 +13,7 @@ from sim.reporting.followed import Followed
 from sim.reporting.plan_view import extent
 from sim.reporting.quantities import words
 from sim.reporting.replay import ellipse, place_of_plots
-from sim.reporting.tracking_errors import legend, legend_room
+from sim.reporting.tracking_errors import LEGEND, legend
 
 KM = 1e-3
 WINDOW = 4.2  # km, across the enlarged part
@@ -38,8 +38,7 @@ def estimate_map(flight: Flight, scenario: Any, followed: list[Followed], record
     width = style.WIDTH - style.LEFT - style.RIGHT
     left, right, low, high = extent((x,), (y,))
     height = min(max(width * (high - low) / (right - left), LOWEST), TALLEST)
-    room = legend_room(shown, 2)
-    figure, (whole, near) = style.panels(height, ENLARGED, share=False, top=room, gap=0.34)
+    figure, (whole, near) = style.panels(height, ENLARGED, share=False, top=LEGEND, gap=0.34)
     scale = max((right - left) / width, (high - low) / height)
     middle = (left + right) / 2, (low + high) / 2
     _frame(whole, middle, scale * width, scale * height)
@@ -49,7 +48,7 @@ def estimate_map(flight: Flight, scenario: Any, followed: list[Followed], record
         _draw(axes, shown, (x, y), plots, turn, between)
         axes.set_ylabel("right of the threshold, km")
     near.set_xlabel("along the final course, km past the threshold")
-    legend(figure, whole)
+    legend(figure, whole, shown)
     return figure
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import gc
 import io
 import logging
 from collections.abc import Iterator
@@ -72,6 +73,7 @@ class Chart(NamedTuple):
     title: str
     image: str  # data URI
     caption: str
+    keys: tuple[tuple[str, str, bool], ...] = ()  # (name, colour, whether dashed) of its lines, named by the page
 
 
 def phase_colour(name: str) -> str:
@@ -85,6 +87,7 @@ def drawing() -> Iterator[None]:
     logger = logging.getLogger("matplotlib")
     level = logger.level
     logger.setLevel(logging.ERROR)
+    gc.freeze()  # what a run left need not be searched for garbage again and again while figures come and go
     try:
         import matplotlib
 
@@ -93,6 +96,7 @@ def drawing() -> Iterator[None]:
             matplotlib.rcParams.update(_STYLE)
             yield
     finally:
+        gc.unfreeze()
         logger.setLevel(level)
 
 

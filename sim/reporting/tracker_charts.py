@@ -12,6 +12,7 @@ from sim.reporting.beliefs import anomaly_strip, model_probabilities
 from sim.reporting.estimate_map import estimate_map
 from sim.reporting.followed import Followed
 from sim.reporting.path_bound import path_bound
+from sim.reporting.quantities import words
 from sim.reporting.style import Chart
 from sim.reporting.tracking_errors import (
     consistency_over_time,
@@ -35,9 +36,11 @@ def tracker_charts(
     """Figures of trackers that saw something; ``trackers`` as in metrics.json."""
     drawn: list[Chart] = []
 
-    def add(title: str, figure: Any, caption: str) -> None:
+    keys = tuple((words(one.name), one.look["color"], one.look["dashes"] != style.SOLID) for one in followed)
+
+    def add(title: str, figure: Any, caption: str, keys: tuple[tuple[str, str, bool], ...] = keys) -> None:
         if figure is not None:
-            drawn.append(Chart(title, style.data_uri(figure), caption))
+            drawn.append(Chart(title, style.data_uri(figure), caption, keys))
 
     with style.drawing(), np.errstate(invalid="ignore", divide="ignore"):
         if followed:
@@ -66,6 +69,7 @@ def tracker_charts(
                 "Between the lines lie 95 % of the errors over all draws, shaded is what the tracker's own covariance "
                 "promises. Lines outside the shade: too sure of itself. Lines to one side: biased. All panels have one "
                 "scale, linear near 0 and logarithmic beyond.",
+                (),
             )
             add(
                 "Consistency over time",
@@ -85,12 +89,14 @@ def tracker_charts(
             model_probabilities(flight, tracked, modes),
             "What each tracker with several models believes, mean over the draws. A law's number is the factor on its "
             "position limit.",
+            (),
         )
         add(
             "Measurement anomalies",
             anomaly_strip(flight, scenario, tracked),
             "Above: measured minus true angle of draw 0, linear within the dashed 2 σ of the stated accuracy and "
             "logarithmic beyond. Below: the mean probability of a worse accuracy than the stated.",
+            (),
         )
         if followed:
             inside = containment(flight, scenario, followed)

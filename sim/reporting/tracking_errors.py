@@ -17,6 +17,7 @@ from sim.reporting.thinning import peaks
 
 BINS = 160  # stretches of a curve whose least and greatest value are drawn
 COLUMNS = 3  # of the small panels
+LEGEND = 0.22  # in, room above the panels
 CREDIBLE = 30.0  # times the median 2 sigma of all: the frame of the small panels, linear up to once that
 UNCREDIBLE = 1e3  # ANEES and NIS of lost trackers may leave the frame
 DECADES = 4.0  # most that a logarithmic axis shows
@@ -25,7 +26,7 @@ DECADES = 4.0  # most that a logarithmic axis shows
 def error_over_time(flight: Flight, followed: list[Followed], bound: PathBound | None) -> Any:
     """Figure of the RMSE over draws at every epoch, one panel for each channel, on logarithmic axes."""
     names = shown_channels(followed)[:3]
-    figure, (strip, *panels) = style.panels(STRIP, *(1.9 for _ in names), top=legend_room(followed, 2))
+    figure, (strip, *panels) = style.panels(STRIP, *(1.9 for _ in names), top=LEGEND)
     phase_strip(strip, flight)
     for axes, channel in zip(panels, names, strict=True):
         shown = [one for one in followed if channel in one.curves]
@@ -40,7 +41,7 @@ def error_over_time(flight: Flight, followed: list[Followed], bound: PathBound |
         logarithmic(axes)
         axes.set_ylabel(_label(channel, "RMSE"))
     panels[-1].set_xlabel(TIME)
-    legend(figure, panels[0])
+    legend(figure, panels[0], followed)
     return figure
 
 
@@ -102,7 +103,7 @@ def consistency_over_time(flight: Flight, followed: list[Followed]) -> Any:
     """Figure of ANEES and of the mean NIS at every epoch with the band that 95 % of consistent trackers keep."""
     from scipy.special import chdtri
 
-    figure, (strip, errors, innovations) = style.panels(STRIP, 1.7, 1.7, top=legend_room(followed, 1))
+    figure, (strip, errors, innovations) = style.panels(STRIP, 1.7, 1.7, top=LEGEND)
     phase_strip(strip, flight)
     channel = shown_channels(followed)[0]
     dimension = 2 if channel == "position_m" else 1
@@ -127,7 +128,7 @@ def consistency_over_time(flight: Flight, followed: list[Followed]) -> Any:
     errors.set_ylabel(f"ANEES of {split(channel)[0]}")
     innovations.set_ylabel("mean NIS")
     innovations.set_xlabel(TIME)
-    legend(figure, errors)
+    legend(figure, errors, followed)
     return figure
 
 
@@ -137,45 +138,54 @@ def error_by_phase(flight: Flight, trackers: dict[str, Any], followed: list[Foll
     names = [c for c in shown_channels(followed) if any(c in by for t in trackers.values() for by in _phases(t))][:2]
     if not names:
         return None
-    figure, panels = style.panels(*(1.6 for _ in names), top=legend_room(followed, 1), share=True)
+    figure, panels = style.panels(*(1.6 for _ in names), top=LEGEND, share=True)
     order = list(dict.fromkeys(flight.phases[int(i)] for i in flight.phase))
     for axes, channel in zip(panels, names, strict=True):
         flown = [p for p in order if any(channel in (t.get("by_phase") or {}).get(p, {}) for t in trackers.values())]
-        width = 0.84 / len(looks)
-        lowest = np.inf
+        width, sizes = 0.84 / len(looks), []
         for row, (name, look) in enumerate(looks.items()):
-            at, tops, whiskers = [], [], []
-            for place, phase in enumerate(flown):
-                figures = (trackers[name].get("by_phase") or {}).get(phase, {}).get(channel)
-                if figures and figures.get("rmse"):
-                    at.append(place - 0.42 + (row + 0.5) * width)
-                    tops.append(figures["rmse"])
-                    ends = figures.get("low"), figures.get("high")
-                    whiskers.append([0.0 if e is None or e != e else abs(e - figures["rmse"]) for e in ends])
-            hatch = None if look["dashes"] == style.SOLID else "//////"
-            face = look["color"] if hatch is None else "white"
-            if at:
-                axes.bar(
-                    at, tops, width * 0.86, color=face, edgecolor=look["color"], linewidth=0.6, hatch=hatch,
-                    label=words(name), yerr=np.transpose(whiskers), error_kw={"linewidth": 0.6, "ecolor": "#333333"},
-                )  # fmt: skip
-                lowest = min(lowest, *tops)
-        beyond = []
+            by_phase = [(trackers[name].get("by_phase") or {}).get(phase, {}).get(channel) or {} for phase in flown]
+            at = np.arange(len(flown)) - 0.42 + (row + 0.5) * width
+            top, low, high = (_numbers([figures.get(key) for figures in by_phase]) for key in ("rmse", "low", "high"))
+            _bars(axes, at, top, 0.43 * width, look)
+            nothing = np.full(len(at), np.nan)
+            ends = np.stack((low, high, nothing), axis=1).ravel()
+            axes.plot(np.stack((at, at, nothing), axis=1).ravel(), ends, color="#333333", linewidth=0.6)
+            sizes += top[np.isfinite(top)].tolist()
         for place, phase in enumerate(flown):
             raws = [(t.get("by_phase") or {}).get(phase, {}).get(channel, {}).get("raw") for t in trackers.values()]
             raw = next((value for value in raws if value), None)
             if raw:
-                label = "raw measurement" if place == 0 else None
+                label = None if axes.get_legend_handles_labels()[1] else "raw measurement"
                 axes.plot((place - 0.45, place + 0.45), (raw, raw), color=style.BLACK, linewidth=1.1, label=label)
-                beyond.append(raw)
+                sizes.append(raw)
         axes.set_xticks(range(len(flown)), [words(phase) for phase in flown])
         axes.grid(False, axis="x")
         axes.set_ylabel(_label(channel, "RMSE"))
-        logarithmic(axes, *beyond)
+        logarithmic(axes, *sizes)
         top = axes.get_ylim()[1]
-        axes.set_ylim(max(0.6 * lowest, top / 10**DECADES), top)
-    legend(figure, panels[0])
+        axes.set_ylim(max(0.6 * min(sizes), top / 10**DECADES), top)
+        axes.set_xlim(-0.55, len(flown) - 0.45)
+    legend(figure, panels[0], followed)
     return figure
+
+
+def _numbers(values: list[Any]) -> np.ndarray:
+    return np.array([np.nan if value is None else value for value in values], float)
+
+
+def _bars(axes: Any, at: np.ndarray, tops: np.ndarray, half: float, look: dict[str, Any]) -> None:
+    """Bars of one tracker as one collection, which costs a tenth of as many patches."""
+    from matplotlib.collections import PolyCollection
+
+    corners = [((x - half, 1e-9), (x - half, y), (x + half, y), (x + half, 1e-9))
+               for x, y in zip(at, tops, strict=True) if np.isfinite(y)]  # fmt: skip
+    filled = look["dashes"] == style.SOLID
+    face = look["color"] if filled else "white"
+    hatch = None if filled else "//////"
+    axes.add_collection(
+        PolyCollection(corners, facecolor=face, edgecolor=look["color"], linewidth=0.6, hatch=hatch), autolim=False
+    )
 
 
 def _phases(tracker: dict[str, Any]) -> list[dict[str, Any]]:
@@ -193,7 +203,7 @@ def containment(flight: Flight, scenario: Any, followed: list[Followed]) -> tupl
         return None
     from sim.channels import truth_at
 
-    figure, (strip, axes) = style.panels(STRIP, 2.1, top=legend_room(shown, 2))
+    figure, (strip, axes) = style.panels(STRIP, 2.1, top=LEGEND)
     phase_strip(strip, flight)
     shares, seen = [], np.zeros(len(flight.time), bool)
     slant, azimuth, _ = radar.truth(np.array((flight.state.north, flight.state.east, flight.state.height)))
@@ -217,7 +227,7 @@ def containment(flight: Flight, scenario: Any, followed: list[Followed]) -> tupl
     axes.set_xlim(float(first), max(float(last), float(first) + 1e-6))
     axes.set_ylabel("95 % of |cross-track|, m")
     axes.set_xlabel(TIME)
-    legend(figure, axes)
+    legend(figure, axes, followed)
     shares.sort(key=lambda share: -share[0])
     return figure, "; ".join(text for _, text in shares)
 
@@ -235,7 +245,7 @@ def look_ahead_fan(trackers: dict[str, Any], followed: list[Followed]) -> Any | 
     names = [channel for channel in ("position_m", "cross_track_m") if channel in found]
     if not names:
         return None
-    figure, panels = style.panels(*(1.7 for _ in names), top=legend_room(followed, 1))
+    figure, panels = style.panels(*(1.7 for _ in names), top=LEGEND)
     for axes, channel in zip(panels, names, strict=True):
         for name, by in chosen.items():
             points = sorted(
@@ -246,7 +256,7 @@ def look_ahead_fan(trackers: dict[str, Any], followed: list[Followed]) -> Any | 
         logarithmic(axes)
         axes.set_ylabel(_label(channel, "RMSE"))
     panels[-1].set_xlabel("looked ahead, s")
-    legend(figure, panels[0])
+    legend(figure, panels[0], followed)
     return figure
 
 
@@ -268,7 +278,7 @@ def logarithmic(axes: Any, *more: float) -> None:
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     values = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) > 2 or line.get_marker() != "None"]
-    values += [list(more)] + [[bar.get_height()] for bar in axes.patches if hasattr(bar, "get_height")]
+    values += [list(more)]
     every = np.concatenate([np.asarray(v, float) for v in values]) if values else np.array([1.0])
     every = every[np.isfinite(every) & (every > 0.0)]
     low, high = (float(every.min()), float(every.max())) if every.size else (0.1, 10.0)
@@ -282,18 +292,16 @@ def logarithmic(axes: Any, *more: float) -> None:
     axes.minorticks_off()
 
 
-def legend_room(followed: list[Followed], others: int) -> float:
-    """Room (in) above the panels for a legend of all trackers and some other lines."""
-    return 0.06 + 0.155 * -(-(len(followed) + others) // COLUMNS)
-
-
-def legend(figure: Any, axes: Any) -> None:
-    """A legend in the room above the panels."""
+def legend(figure: Any, axes: Any, followed: list[Followed]) -> None:
+    """A legend above the panels of all but the trackers, whose colours the page names beside each figure."""
+    names = {words(one.name) for one in followed}
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(
-        handles, labels, loc="upper left", bbox_to_anchor=(style.LEFT / style.WIDTH, 1.0), ncols=COLUMNS,
-        borderaxespad=0.0, columnspacing=1.4, handletextpad=0.5, labelspacing=0.25, handlelength=2.2,
-    )  # fmt: skip
+    others = [(handle, label) for handle, label in zip(handles, labels, strict=True) if label not in names]
+    if others:
+        figure.legend(
+            *zip(*others, strict=True), loc="upper left", bbox_to_anchor=(style.LEFT / style.WIDTH, 1.0), ncols=3,
+            borderaxespad=0.0, columnspacing=1.4, handletextpad=0.5, handlelength=2.2,
+        )  # fmt: skip
 
 
 def _label(channel: str, what: str) -> str:
