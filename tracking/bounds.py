@@ -25,7 +25,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.integrate import quad
+
 
 from tracking.gaussian import lift
 from tracking.intervals import Interval
@@ -90,6 +90,8 @@ def relative_fisher_information(weights: Sequence[float], sigmas: Sequence[float
         return float(score**2 * share.sum() * math.exp(best))
 
     edges = np.unique(np.concatenate([[0.0], *(np.array([1.0, 3.0, 6.0, 12.0]) * s for s in sigma)]))
+    from scipy.integrate import quad  # half a second to import, and rarely asked for
+
     pieces = (quad(integrand, low, high, epsabs=1e-12)[0] for low, high in pairwise(edges))
     return 2.0 * float(sum(pieces))
 

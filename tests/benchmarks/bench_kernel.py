@@ -109,6 +109,57 @@ def filterpy_imm(measurements: Measurements) -> Callable[[], None]:
     return work
 
 
+def kalbee_imm(measurements: Measurements) -> Iterator[Contestant]:
+    """kalbee's interacting models, where it is installed; it takes one accuracy for all steps."""
+    try:
+        import kalbee as package  # type: ignore[import-not-found]
+    except ImportError:
+        return
+    z, R = measurements.z, measurements.R[0]
+
+    def work() -> None:
+        members = []
+        for model in MODELS.models:
+            F, Q, _ = model.transition(SCAN, None)
+            start = PRIOR.mean.reshape(4, 1).copy(), PRIOR.cov.copy()
+            members.append(package.KalmanFilter(*start, F.copy(), Q.copy(), np.array(POSITION.H), R.copy()))
+        imm = package.InteractingMultipleModel(members, np.array(MODELS.switching), np.array(MODELS.probabilities))
+        for plot in z:
+            imm.predict()
+            imm.update(plot.reshape(2, 1))
+
+    yield Contestant("IMM 3x4x2, kalbee", work, len(z))
+
+
+def stone_soup_kalman(z) -> Iterator[Contestant]:
+    """Stone Soup's Kalman filter, where it is installed."""
+    try:
+        from datetime import datetime, timedelta
+
+        from stonesoup.models.measurement.linear import LinearGaussian  # type: ignore[import-not-found]
+        from stonesoup.models.transition.linear import LinearGaussianTimeInvariantTransitionModel as Model
+        from stonesoup.predictor.kalman import KalmanPredictor
+        from stonesoup.types.detection import Detection
+        from stonesoup.types.hypothesis import SingleHypothesis
+        from stonesoup.types.prediction import GaussianStatePrediction
+        from stonesoup.updater.kalman import KalmanUpdater
+    except ImportError:
+        return
+    predictor = KalmanPredictor(Model(transition_matrix=np.array(ANGLE_F), covariance_matrix=np.array(ANGLE_Q)))
+    sensor = LinearGaussian(ndim_state=2, mapping=(0,), noise_covar=np.array([[ANGLE_R]]))
+    updater = KalmanUpdater(sensor)
+    noon = datetime(2000, 1, 1)
+
+    def work() -> None:
+        state = GaussianStatePrediction(ANGLE_PRIOR.mean.reshape(2, 1), ANGLE_PRIOR.cov, timestamp=noon)
+        for step, value in enumerate(z[:50, 0, 0], start=1):
+            when = noon + timedelta(seconds=step * RATE)
+            plot = Detection(np.array([[value]]), timestamp=when, measurement_model=sensor)
+            state = updater.update(SingleHypothesis(predictor.predict(state, timestamp=when), plot))
+
+    yield Contestant("Kalman 2x1, Stone Soup", work, 50)
+
+
 def interacting_models(rounds: int = 7) -> list[Row]:
     """IMM 3 models x 4 states x 2 measurements."""
     tracker = InteractingMultipleModel(POSITION, MODELS)
@@ -116,6 +167,7 @@ def interacting_models(rounds: int = 7) -> list[Row]:
     return ratios(
         [
             Contestant("IMM 3x4x2, filterpy", filterpy_imm(single), 100),
+            *kalbee_imm(single),
             Contestant("IMM 3x4x2, 1 run", ours(tracker, single, PRIOR), 100, 4.0),
             Contestant("IMM 3x4x2, 130 runs", ours(tracker, hundred, PRIOR), 60 * 130, 200.0),
             Contestant("IMM 3x4x2, 10,000 runs in chunks of 1024", ours(tracker, many, PRIOR), 12 * 10_000, 350.0),
@@ -177,6 +229,7 @@ def common_noise(rounds: int = 5) -> list[Row]:
                 3000.0,
             ),
             *simdkalman(measurements.z),
+            *stone_soup_kalman(measurements.z),
         ],
         rounds,
     )
