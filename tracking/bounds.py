@@ -26,7 +26,6 @@ from typing import Any
 
 import numpy as np
 
-
 from tracking.gaussian import lift
 from tracking.intervals import Interval
 
