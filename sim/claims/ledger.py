@@ -11,6 +11,7 @@ from sim.claims.verdict import Printed, verdict
 from tracking.intervals import Interval
 
 MOST_RUNS = 4000
+FULL = 4  # times the runs of the quick form, to begin with
 
 
 class Reading(NamedTuple):
@@ -33,7 +34,7 @@ class Claim:
     truth: Literal["model", "kinematic", "jsbsim"] = "model"
     geometry_by: Literal["paper", "ours", "none"] = "none"  # who chose the path that is flown
     paper_runs: int | None = None
-    first_runs: int = 50  # of the quick form, and with which the full one begins
+    first_runs: int = 50  # of the quick form
     overlooked: bool = False  # the paper does not say it: measured, not judged
     note: str = ""
 
@@ -90,7 +91,7 @@ class Row(NamedTuple):
 
 def measure(paper: str, claim: Claim, seed: int, quick: bool = False) -> Row:
     """Measure every reading; unless ``quick``, with more runs until the intervals say enough or runs are many."""
-    runs = claim.first_runs
+    runs = claim.first_runs if quick else min(FULL * claim.first_runs, MOST_RUNS)
     while True:
         found = [reading.measure(seed, runs) for reading in claim.readings]
         wanted = max((_wanted(claim.printed, interval, runs) for interval in found), default=0)

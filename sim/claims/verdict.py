@@ -24,10 +24,15 @@ class Printed(NamedTuple):
         return (value > self.high) - (value < self.low)
 
     def settled(self, low: float, high: float) -> bool:
-        """Whether an interval is narrow enough: a tenth of the range, or off the only end of an open one."""
-        if math.isfinite(self.high - self.low):
-            return high - low <= 0.1 * (self.high - self.low)
-        return self.side(low) == self.side(high)
+        """Whether an interval is narrow enough: a tenth of the range, or clear of its ends by its own width.
+
+        The second serves what lies far from the range, and ranges that are open.
+        """
+        width = high - low
+        narrow = math.isfinite(self.high - self.low) and width <= 0.1 * (self.high - self.low)
+        apart = low - width > self.high or high + width < self.low
+        within = math.isinf(self.high - self.low) and self.side(low - width) == self.side(high + width) == 0
+        return narrow or apart or within
 
 
 def between(low: str, high: str, good: int = 0) -> Printed:
