@@ -164,6 +164,8 @@ def navigator(prepared: Prepared, flight: int) -> Navigator | None:
     if name == "truth":
         return None
     choice = scenario.trackers[name]
+    if choice.association is not None:
+        raise ScenarioError(f"[autopilot] navigation: tracker '{name}' associates plots, which none does in the loop")
     tracker, _ = build(prepared, name, choice)
     listened = tuple((sensor, scenario.sensors[sensor]) for sensor in choice.sensors)
     others = [(other, sensor) for other, sensor in scenario.sensors.items() if other not in choice.sensors]

@@ -21,6 +21,7 @@ class SensorRecord(NamedTuple):
     arrival: np.ndarray  # (k,) s
     z: np.ndarray  # (k, m, draws)
     R: np.ndarray  # (k, m, m), or (k, m, m, draws) where the accuracy depends on the measured place
+    candidates: np.ndarray | None = None  # (k, c, m, draws) plots with the false ones, of a sensor with clutter
 
 
 def observe(
@@ -41,12 +42,15 @@ def _watch(flight: Flight, sensor: Any, streams: Streams) -> SensorRecord:
         return SensorRecord(
             sensor.channels, np.empty(0), np.empty(0), np.empty((0, m, streams.draws)), np.empty((0, m, m))
         )
-    time, arrival, z, R = (np.array(column) for column in zip(*looks, strict=True))
-    return SensorRecord(sensor.channels, time, arrival, z, R)
+    # the candidates are the fifth element of the looks of a sensor with clutter
+    return SensorRecord(sensor.channels, *(np.array(column) for column in zip(*looks, strict=True)))
 
 
 def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> Measurements:
-    """The looks of several sensors at the union of their epochs, NaN where a sensor was silent."""
+    """The looks of several sensors at the union of their epochs, NaN where a sensor was silent.
+
+    Candidates are those of a sensor that is alone: which plots of several sensors belong together is not asked here.
+    """
     chosen = [(name, records[name]) for name in sensors]
     channels = tuple(f"{name}.{channel}" for name, record in chosen for channel in record.channels)
     draws = chosen[0][1].z.shape[2]
@@ -57,6 +61,9 @@ def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> 
     per_draw = any(record.R.ndim == 4 for _, record in chosen)  # a stated accuracy that depends on the measured place
     R = np.zeros((k, m, m, draws if per_draw else 1))
     R[:, range(m), range(m)] = 1.0
+    candidates = None
+    if len(chosen) == 1 and chosen[0][1].candidates is not None:
+        candidates = chosen[0][1].candidates[np.lexsort((chosen[0][1].time, chosen[0][1].arrival))]
     row = 0
     for _, record in chosen:
         n = len(record.channels)
@@ -64,7 +71,7 @@ def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> 
         z[place, row : row + n] = record.z
         R[place, row : row + n, row : row + n] = record.R if record.R.ndim == 4 else record.R[..., None]
         row += n
-    return Measurements(channels, stamps[:, 1], stamps[:, 0], z, R)
+    return Measurements(channels, stamps[:, 1], stamps[:, 0], z, R, candidates)
 
 
 def _sortable(stamps: np.ndarray) -> np.ndarray:

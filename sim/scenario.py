@@ -43,6 +43,7 @@ class TrackerChoice:
     handover: str | None
     table: dict[str, Any]  # its own parameters, validated, as spelled in the file
     law: dict[str, float]  # absolute values in SI, or <field>_factor; empty = the law that flies
+    association: str | None = None  # how it finds the target's plot among false ones; None = there are none
 
 
 @dataclass(frozen=True)
@@ -154,6 +155,7 @@ class TrackerTable(BaseModel):
     model_config = ConfigDict(extra="forbid")
     sensors: list[str] | None = None
     handover: str | None = None
+    association: typing.Literal["probabilistic"] | None = None
     law: dict[str, Annotated[float, Field(allow_inf_nan=False)]] | None = None
 
 
@@ -340,8 +342,8 @@ def _tracker(faults: list[str], name: str, table: dict[str, Any], tables: dict[s
     if handover is not None and (handover not in others or handover == name):
         rest = [other for other in others if other != name]
         faults.append(f"[trackers.{name}] handover: no other tracker '{handover}'; {did_you_mean(handover, rest)}")
-    own = {k: v for k, v in table.items() if k not in ("kind", "sensors", "handover", "law")}
-    return TrackerChoice(table["kind"], tuple(wanted), handover, own, table.get("law", {}))
+    own = {k: v for k, v in table.items() if k not in ("kind", "sensors", "handover", "law", "association")}
+    return TrackerChoice(table["kind"], tuple(wanted), handover, own, table.get("law", {}), table.get("association"))
 
 
 def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:

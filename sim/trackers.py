@@ -6,6 +6,7 @@ import bisect
 import dataclasses
 import math
 import typing
+from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -19,9 +20,10 @@ from sim.parameters import GIVEN, construct
 from sim.preparation import Prepared
 from sim.scenario import TrackerChoice
 from tracking import consistency
-from tracking.gaussian import Gaussian, Mixture, merge
+from tracking.association import ProbabilisticDataAssociation
+from tracking.gaussian import Gaussian, Innovation, Mixture, merge
 from tracking.measurement import DebiasedPolar, LinearMeasurement, Stacked
-from tracking.track import Measurements, Track, follow
+from tracking.track import Measurements, Track, Tracker, follow
 from tracking.track import track as run_tracker
 
 
@@ -48,6 +50,47 @@ class Tracked(NamedTuple):
         if self.track.model_probabilities is not None:
             arrays[f"{name}.model_probabilities"] = self.track.model_probabilities
         return arrays
+
+
+@dataclass(frozen=True)
+class AmongFalsePlots:
+    """A tracker on the ground plane, fed by probabilistic data association with all plots of one radar.
+
+    The radar's false plots lie the denser the nearer the aircraft is, so each step takes their density anew, at the
+    mean place of its own plots.
+    """
+
+    tracker: Tracker
+    radar: Any
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Those of the tracker."""
+        return self.tracker.channels
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """What the tracker calls its hypotheses, for the report."""
+        return tuple(getattr(self.tracker, "modes", ()))
+
+    def begin(self, prior: Gaussian) -> Any:
+        """State before the first plot."""
+        return self.tracker.begin(prior)
+
+    def step(self, state: Any, dt: float, z: Any | None, R: Any | None) -> tuple[Any, Innovation | None]:
+        """Predict by dt, then update with the plots z (c, 3, draws) that share R (3, 3, draws)."""
+        if z is None:
+            return self.tracker.step(state, dt, None, None)
+        made = np.isfinite(z)
+        place = np.where(made, z, 0.0).sum(axis=0) / np.maximum(made.sum(axis=0), 1)
+        seen = made.any(axis=(0, 1))
+        density = np.where(seen, self.radar.clutter_density(*np.where(seen, place, 1.0)), 1.0)  # any, where no plot is
+        association = ProbabilisticDataAssociation(self.tracker, density, self.radar.detection)
+        return association.step(state, dt, z, R)
+
+    def estimate(self, state: Any) -> Gaussian | Mixture:
+        """What the tracker believes."""
+        return self.tracker.estimate(state)
 
 
 def track(
@@ -91,9 +134,10 @@ def _reads_places(tracker: Any) -> bool:
 
 def _own(prepared: Prepared, tracker: Any, names: tuple[str, ...]) -> Any:
     """A caller's tracker; one with a ``measurement`` (an adapted filterpy object, say) reads this scenario's radars."""
+    sensors = {name: prepared.scenario.sensors[name] for name in names}
+    _refuse_clutter("own", sensors)
     if not _reads_places(tracker):
         return tracker
-    sensors = {name: prepared.scenario.sensors[name] for name in names}
     return dataclasses.replace(tracker, measurement=measurement_model(sensors, chart_height(prepared), "own"))
 
 
@@ -124,10 +168,39 @@ def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, st
     missing = [field for field, required in wanted.items() if required and field not in supplied]
     if missing:
         raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}' needs {missing[0]}, which no scenario gives")
+    if choice.association is not None and ("measurement" not in wanted or "measured" in wanted):
+        raise ScenarioError(f"[trackers.{name}] association: kind '{choice.kind}' does not track on the ground plane")
     try:
-        return construct(cls, choice.table, **supplied), law_from
+        tracker = construct(cls, choice.table, **supplied)
     except ValueError as error:
         raise ScenarioError(f"[trackers.{name}] {error}") from None
+    if choice.association is None:
+        _refuse_clutter(name, sensors)
+        return tracker, law_from
+    return AmongFalsePlots(tracker, _cluttered(name, sensors)), law_from
+
+
+def _cluttered(name: str, sensors: dict[str, Any]) -> Any:
+    """The one sensor of a tracker that associates."""
+    radar = next(iter(sensors.values()))
+    if len(sensors) > 1 or not getattr(radar, "clutter", 0.0) > 0.0:
+        raise ScenarioError(
+            f"[trackers.{name}] association: needs exactly one sensor, a radar with clutter above 0; "
+            f"it has {', '.join(sensors)}"
+        )
+    if not radar.detection > 0.0:
+        raise ScenarioError(f"[trackers.{name}] association: its radar never detects the target (detection = 0)")
+    return radar
+
+
+def _refuse_clutter(name: str, sensors: dict[str, Any]) -> None:
+    """Without association the target's own plot would be told apart from the false ones by nobody."""
+    for sensor, built in sensors.items():
+        if getattr(built, "clutter", 0.0) > 0.0:
+            raise ScenarioError(
+                f"[trackers.{name}] sensors: '{sensor}' has clutter; "
+                f'set association = "probabilistic", with it as the only sensor'
+            )
 
 
 def _given(cls: type) -> dict[str, bool]:
@@ -219,7 +292,10 @@ def begins(
 def _between(record: Measurements, first: float, last: float) -> Measurements:
     """What arrives from ``first`` to ``last`` (s)."""
     kept = (record.arrival >= first) & (record.arrival <= last)
-    return Measurements(record.channels, record.time[kept], record.arrival[kept], record.z[kept], record.R[kept])
+    candidates = None if record.candidates is None else record.candidates[kept]
+    return Measurements(
+        record.channels, record.time[kept], record.arrival[kept], record.z[kept], record.R[kept], candidates
+    )
 
 
 def _prior(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
+from scipy.special import pdtr, pdtrik
 
 from aircraft.state import AircraftState
 from sim.interpolation import position_at
@@ -18,6 +19,13 @@ from sim.tables import Runway
 # is from memory). They are read as two standard deviations, because a limit that may not be exceeded is met by 95 %.
 ANNEX_10_SIGMAS = 2.0
 
+# False plots are made within so many standard deviations of the aircraft. A gate of 0.9997 is 4 standard deviations of
+# the innovation wide, so farther ones would meet no gate of a tracker that is still on the aircraft.
+REACH = 6.0
+STATED = 3.0  # standard deviations of the ellipse in which ``clutter`` counts
+MOST_CLUTTER = 10.0  # beyond, a look is nothing but false plots, and their record grows without use
+RARE = 1e-9  # probability of more false plots in a look than are made
+
 
 class Scan(NamedTuple):
     """What the radar carries from step to step."""
@@ -25,6 +33,7 @@ class Scan(NamedTuple):
     epoch: float
     noise: Rows
     detection: Rows
+    clutter: Rows | None  # of the count, then of range, azimuth and elevation of each false plot
 
 
 @dataclass(frozen=True)
@@ -34,6 +43,9 @@ class PrecisionRadar:
     With ``accuracy = "annex_10"`` the errors grow with distance: azimuth 0.6 % of it and 10 % of the deviation but 9 m
     at least, elevation 0.4 % and 10 % but 6 m, range 30 m and 3 % of the distance to touchdown, each read as two
     standard deviations. With ``"constant"`` they are the given ones [Volovyk 2022, experiment].
+
+    With ``clutter`` a look also holds false plots, Poisson in number and uniform about the aircraft: so many on average
+    inside 3 standard deviations of range and azimuth. The sensor does not say which plot is the target's.
     """
 
     period: Annotated[float, "s"] = 0.7
@@ -46,12 +58,15 @@ class PrecisionRadar:
     sector: Annotated[float, "rad"] = math.radians(20.0)  # full width about the axis; 360 deg sees all round
     coverage: Annotated[float, "m"] = 20_000.0
     detection: float = 1.0  # probability that a plot is made
+    clutter: float = 0.0  # mean number of false plots inside 3 standard deviations of range and azimuth
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
     def __post_init__(self) -> None:
         at_least_a_step(self.period)
         positive(self, "range_sigma", "azimuth_sigma", "elevation_sigma", "sector", "coverage")
         share(self, "detection")
+        if not 0.0 <= self.clutter <= MOST_CLUTTER:
+            raise ValueError(f"clutter must lie within 0 and {MOST_CLUTTER:g} false plots inside 3 standard deviations")
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -84,23 +99,57 @@ class PrecisionRadar:
         """Noise-free channels for (north, east, height), shape (3, ...) -> (3, ...)."""
         return np.stack(polar(position, self.antenna, self.zero_azimuth))
 
+    def clutter_density(self, slant: Any, azimuth: Any, elevation: Any) -> Any:
+        """False plots per m2 of the ground plane at a place."""
+        range_sigma, azimuth_sigma, _ = self.sigmas(slant, azimuth, elevation)
+        # the ground plane shortens a slant range by the cosine of the elevation, and so the arc of an azimuth
+        area = math.pi * STATED**2 * range_sigma * azimuth_sigma * slant * np.cos(elevation) ** 2
+        return self.clutter / area
+
+    @property
+    def _mean_count(self) -> float:
+        """Mean number of false plots of a look: those of the ellipse, by the area of the square about it."""
+        return self.clutter * (2.0 * REACH) ** 2 / (math.pi * STATED**2)
+
     def begin(self, time: float, streams: Streams) -> Scan:
         """Ready for the first look, one period after ``time``."""
-        return Scan(time + self.period, streams.normal("noise", 3), streams.uniform("detection", 1))
+        clutter = None
+        if self.clutter > 0.0:
+            most = math.ceil(pdtrik(1.0 - RARE, self._mean_count))
+            clutter = streams.uniform("clutter", 1 + 3 * most)
+        return Scan(time + self.period, streams.normal("noise", 3), streams.uniform("detection", 1), clutter)
 
-    def step(
-        self, scan: Scan, before: AircraftState, after: AircraftState
-    ) -> tuple[Scan, list[tuple[float, float, np.ndarray, np.ndarray]]]:
-        """Looks between two records: (epoch, arrival, z (3, draws), R (3, 3, draws)); none outside the sector."""
-        looks = []
+    def step(self, scan: Scan, before: AircraftState, after: AircraftState) -> tuple[Scan, list[tuple[Any, ...]]]:
+        """Looks between two records: (epoch, arrival, z (3, draws), R (3, 3, draws)); none outside the sector.
+
+        With clutter a look has a fifth element, the plots (c, 3, draws) among which z is the first, NaN = none. They
+        share R, the accuracy at the target's own plot.
+        """
+        looks: list[tuple[Any, ...]] = []
         epoch = scan.epoch
         while epoch <= after.time:
             noise, luck = scan.noise.row(), scan.detection.row()[0]  # row k belongs to epoch k, seen or not
+            false = None if scan.clutter is None else scan.clutter.row()
             exact = self.truth(position_at(before, after, epoch))
             if abs(exact[1]) <= self.sector / 2 and exact[0] <= self.coverage:
                 z = exact[:, None] + self.sigmas(*exact)[:, None] * noise
                 # the accuracy that the radar states is that at the place that it measured
                 R = np.einsum("ij,in->ijn", np.eye(3), self.sigmas(*z) ** 2)
-                looks.append((epoch, epoch, np.where(luck < self.detection, z, np.nan), R))
+                z = np.where(luck < self.detection, z, np.nan)
+                plots = () if false is None else (np.concatenate((z[None], self._false_plots(exact, false))),)
+                looks.append((epoch, epoch, z, R, *plots))
             epoch += self.period
-        return Scan(epoch, scan.noise, scan.detection), looks
+        return Scan(epoch, scan.noise, scan.detection, scan.clutter), looks
+
+    def _false_plots(self, exact: np.ndarray, uniform: np.ndarray) -> np.ndarray:
+        """False plots (c, 3, draws) about a place (3,) from uniform numbers (1 + 3 c, draws); NaN beyond their count.
+
+        The count is the quantile of the Poisson law, cut at c, which is exceeded once in 1e9 looks. A plot from behind
+        the antenna is none.
+        """
+        most = len(uniform) // 3
+        count = np.searchsorted(pdtr(np.arange(most), self._mean_count), uniform[0])
+        offset = REACH * (2.0 * uniform[1:].reshape(most, 3, -1) - 1.0)
+        plots = exact[:, None] + self.sigmas(*exact)[:, None] * offset
+        made = (np.arange(most)[:, None] < count) & (plots[:, 0] > 0.0)
+        return np.where(made[:, None], plots, np.nan)
