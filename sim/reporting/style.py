@@ -7,7 +7,11 @@ import contextlib
 import gc
 import io
 import logging
+import os
+import sys
+import tempfile
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any, NamedTuple
 
 WIDTH = 7.2  # in, of every figure: the text width of an A4 page
@@ -81,6 +85,24 @@ def phase_colour(name: str) -> str:
     return PHASE_COLOURS.get(name, GREY)
 
 
+def import_matplotlib() -> None:
+    """Import matplotlib so that it leaves nothing in the user's home: its list of fonts is made in a folder that goes.
+
+    A list that an earlier use of matplotlib left is read, which is faster and writes nothing.
+    """
+    if "matplotlib.font_manager" in sys.modules or "MPLCONFIGDIR" in os.environ:
+        return
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "matplotlib"
+    if any(cache.glob("fontlist-*.json")):
+        return
+    with tempfile.TemporaryDirectory() as place:
+        os.environ["MPLCONFIGDIR"] = place
+        try:
+            import matplotlib.font_manager  # noqa: F401 (for what it writes)
+        finally:
+            del os.environ["MPLCONFIGDIR"]
+
+
 @contextlib.contextmanager
 def drawing() -> Iterator[None]:
     """Inside, matplotlib draws in this style and keeps its remarks about fonts; outside, all is as the user set it."""
@@ -89,6 +111,7 @@ def drawing() -> Iterator[None]:
     logger.setLevel(logging.ERROR)
     gc.freeze()  # what a run left need not be searched for garbage again and again while figures come and go
     try:
+        import_matplotlib()
         import matplotlib
 
         with matplotlib.rc_context():

@@ -37,7 +37,11 @@ kind = "kalman"
 
 def process(*arguments, cwd):
     """In a process of its own, as at a prompt."""
-    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "NO_COLOR": "1"}
+    home = cwd / "home"
+    home.mkdir(exist_ok=True)
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "NO_COLOR": "1", "HOME": str(home)}
+    for name in ("MPLCONFIGDIR", "XDG_CACHE_HOME"):
+        environment.pop(name, None)
     done = subprocess.run(
         [sys.executable, "-m", "sim", *map(str, arguments)],
         capture_output=True,
@@ -104,6 +108,7 @@ def test_two_processes_write_the_same_bytes(scenario, tmp_path):
     for name in ("a", "b"):
         assert process("run", scenario, "-o", tmp_path / name, cwd=tmp_path).returncode == 0
     assert (tmp_path / "a/metrics.json").read_bytes() == (tmp_path / "b/metrics.json").read_bytes()
+    assert list((tmp_path / "home").iterdir()) == []  # nothing in the user's home, a plotting library's cache included
 
 
 def test_the_resolved_scenario_repeats_the_run(command, scenario, tmp_path):
