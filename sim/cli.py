@@ -157,6 +157,10 @@ def validate(file: Scenario, sets: Sets = None) -> None:
 
     scenario = read(file, _overrides(sets))
     check(prepare(scenario))
+    if scenario.study is not None:
+        from sim.study import plan
+
+        plan(scenario)
     typer.echo(f"{scenario.name}: good")
 
 

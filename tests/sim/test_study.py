@@ -386,6 +386,12 @@ def test_bad_studies_are_one_sentence_and_exit_two(command, tmp_path, sets, said
     assert not (tmp_path / "o").exists()
 
 
+def test_validate_looks_at_the_axes_too(command):
+    base = ("validate", "route_capture_point_mass", "--set")
+    assert command(*base, 'study.axes={ "wind.speed_mps" = [1] }').returncode == 0
+    assert "did you mean 'speed_mps'?" in command(*base, 'study.axes={ "wind.sped_mps" = [1] }').stderr
+
+
 def test_resume_without_a_folder_is_exit_two(command, tmp_path):
     done = command("resume", tmp_path / "nowhere")
     assert done.returncode == 2
