@@ -8,7 +8,7 @@ from typing import Any
 
 from sim.errors import ScenarioError, did_you_mean
 
-PAPERS = ("vasylyev2003", "volovyk2022", "volovyk2018", "kychak2011", "glistin")
+PAPERS = ("vasylyev2003", "volovyk2022", "volovyk2018", "kychak2011", "glistin", "madap")
 SEED = 2026
 
 
