@@ -34,6 +34,10 @@ class Tracked(NamedTuple):
     measurements: Measurements
     law_from: str | None
 
+    def light(self) -> Tracked:
+        """With covariances in single precision: they are most of a run's memory, and only figures still read them."""
+        return self._replace(track=self.track._replace(cov=self.track.cov.astype(np.float32)))
+
     def arrays(self, name: str) -> dict[str, np.ndarray]:
         """For tracks.npz: all draws in single precision (a millimetre), the whole covariance for draw 0."""
         track = self.track
@@ -125,6 +129,7 @@ def track(
         figures[name]["look_ahead"] = ahead.figures()
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
             figures[name] |= _judge(prepared, flight, sensors, tracked[name])
+            tracked[name] = tracked[name].light()
     return tracked, figures
 
 
@@ -135,7 +140,9 @@ def _reads_places(tracker: Any) -> bool:
 def _own(prepared: Prepared, tracker: Any, names: tuple[str, ...]) -> Any:
     """A caller's tracker; one with a ``measurement`` (an adapted filterpy object, say) reads this scenario's radars."""
     sensors = {name: prepared.scenario.sensors[name] for name in names}
-    _refuse_clutter("own", sensors)
+    cluttered = _with_clutter(sensors)
+    if cluttered:
+        raise ScenarioError(f"a tracker of the caller cannot listen to '{cluttered[0]}', which has clutter")
     if not _reads_places(tracker):
         return tracker
     return dataclasses.replace(tracker, measurement=measurement_model(sensors, chart_height(prepared), "own"))
@@ -175,7 +182,11 @@ def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, st
     except ValueError as error:
         raise ScenarioError(f"[trackers.{name}] {error}") from None
     if choice.association is None:
-        _refuse_clutter(name, sensors)
+        if _with_clutter(sensors):
+            raise ScenarioError(
+                f"[trackers.{name}] sensors: '{_with_clutter(sensors)[0]}' has clutter; "
+                'set association = "probabilistic", with it as the only sensor'
+            )
         return tracker, law_from
     return AmongFalsePlots(tracker, _cluttered(name, sensors)), law_from
 
@@ -183,7 +194,7 @@ def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, st
 def _cluttered(name: str, sensors: dict[str, Any]) -> Any:
     """The one sensor of a tracker that associates."""
     radar = next(iter(sensors.values()))
-    if len(sensors) > 1 or not getattr(radar, "clutter", 0.0) > 0.0:
+    if len(sensors) > 1 or not _with_clutter(sensors):
         raise ScenarioError(
             f"[trackers.{name}] association: needs exactly one sensor, a radar with clutter above 0; "
             f"it has {', '.join(sensors)}"
@@ -193,14 +204,9 @@ def _cluttered(name: str, sensors: dict[str, Any]) -> Any:
     return radar
 
 
-def _refuse_clutter(name: str, sensors: dict[str, Any]) -> None:
-    """Without association the target's own plot would be told apart from the false ones by nobody."""
-    for sensor, built in sensors.items():
-        if getattr(built, "clutter", 0.0) > 0.0:
-            raise ScenarioError(
-                f"[trackers.{name}] sensors: '{sensor}' has clutter; "
-                f'set association = "probabilistic", with it as the only sensor'
-            )
+def _with_clutter(sensors: dict[str, Any]) -> list[str]:
+    """Sensors whose looks hold false plots."""
+    return [name for name, sensor in sensors.items() if getattr(sensor, "clutter", 0.0) > 0.0]
 
 
 def _given(cls: type) -> dict[str, bool]:
