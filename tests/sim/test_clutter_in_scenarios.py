@@ -200,5 +200,5 @@ def test_a_callers_own_tracker_is_not_handed_the_targets_plot(result):
     clean = scenario({"mine": {"kind": "kalman", "sensors": ["clean"]}})
     prepared = prepare(clean)
     own, _ = build(prepared, "mine", clean.trackers["mine"])
-    with pytest.raises(ScenarioError, match="has clutter"):
+    with pytest.raises(ScenarioError, match="tracker of the caller cannot listen to 'radar'"):
         track(prepared, result.flight, result.records, {"own": own})
