@@ -155,7 +155,7 @@ def rows_of(name: str, words: str, printed: Printed, unit: str, where: str, meas
             geometry_by="ours",
             first_runs=10,
             overlooked=not judged,
-            note="Sites and periods of the radars are ours. Refuted: the tracker, made for a landing pattern, falls short.",
+            note="Radar sites are ours. Refuted: the tracker, made for a landing pattern, falls short.",
         )
 
 

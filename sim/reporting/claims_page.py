@@ -13,7 +13,7 @@ import numpy as np
 from sim.claims import plots_of
 from sim.claims.ledger import Row
 from sim.claims.plots import Plot
-from sim.claims.text import figure, interval
+from sim.claims.text import figure, interval, summary
 from sim.output import staged, write_json
 from sim.reporting import style
 from sim.reporting.quantities import ABSENT
@@ -24,12 +24,13 @@ DOTS = {"linestyle": "none", "marker": ".", "markersize": 2.0}
 
 
 def write(folder: Path, rows: Sequence[Row], seed: int) -> None:
-    """claims.json, claims.html and one page for each paper, all or none."""
+    """claims.json, claims.md, claims.html and one page for each paper, all or none."""
     papers = list(dict.fromkeys(row.paper for row in rows))
     with style.drawing():
         charts = {paper: [chart(plot) for plot in plots_of(paper, seed)] for paper in papers}
     with staged(folder) as place:
         write_json(place / "claims.json", [row.plain() for row in rows])
+        (place / "claims.md").write_text(summary(rows) + "\n", encoding="utf-8")
         (place / "claims.html").write_text(page("Claims of the papers", rows, {}, seed), encoding="utf-8")
         for paper in papers:
             own = [row for row in rows if row.paper == paper]

@@ -190,7 +190,7 @@ def test_the_command_writes_json_and_pages_and_exits_0_whatever_the_verdicts(tmp
     (row,) = json.loads(done.stdout)
     assert row["verdict"] == "refuted"
     written = {path.name for path in (tmp_path / "out").iterdir()}
-    assert {"claims.json", "claims.html", "made.html"} <= written
+    assert {"claims.json", "claims.md", "claims.html", "made.html"} <= written
     assert json.loads((tmp_path / "out" / "claims.json").read_text()) == [row]
 
 
