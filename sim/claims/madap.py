@@ -140,6 +140,12 @@ def share(quantity: str, limit: float, turning: bool, radars: tuple[Radar, ...],
     return measured
 
 
+def met(text: str, good: int) -> Printed:
+    """A published figure that a tracker should meet: as good as its digits, or better."""
+    exact = number(text)
+    return exact._replace(high=math.inf) if good > 0 else exact._replace(low=-math.inf)
+
+
 def rows_of(name: str, words: str, printed: Printed, unit: str, where: str, measure: Any) -> Iterator[Claim]:
     """The row that is judged, of the improved models, and the one beside it."""
     for tracker in TRACKERS:
@@ -174,7 +180,7 @@ def _claims() -> Iterator[Claim]:
             yield from rows_of(
                 f"{side}_{name}",
                 f"{quantity} error, {statistic}, {where}",
-                number(printed, good=-1),
+                met(printed, -1),
                 unit,
                 where,
                 lambda tracker, q=quantity, s=statistic, r=radars: error(q, s, r, tracker),
@@ -191,7 +197,7 @@ def _claims() -> Iterator[Claim]:
                 yield from rows_of(
                     name + suffix,
                     f"{quantity} within {limit:g} {unit} on {part}, {where}",
-                    number(printed, good=1),
+                    met(printed, 1),
                     "%",
                     where,
                     lambda tracker, q=quantity, m=limit, t=turning, r=radars: share(q, m, t, r, tracker),
