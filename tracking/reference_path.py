@@ -20,6 +20,7 @@ from tracking.motion import CARTESIAN, GRAVITY, constant_velocity, double_integr
 
 Array = Any
 
+JUMP = 1e-2  # rad of bank over a millimetre: ten radians per metre are no law's slope
 CROSS_TRACK = ("cross_track", "cross_track_rate")
 
 
@@ -190,14 +191,17 @@ def sub_steps(dt: float, longest: float) -> tuple[int, float]:
 def steering(law: Law, path: ReferencePath, place: Any, mean: Array) -> Steering:
     """Bank and its slopes across the path at the estimate (n, *B), by one call of the law.
 
-    The laws are linear between their limits, so that a one-sided difference is exact there.
+    The laws are linear between their limits, so that a one-sided difference is exact there. Where the bank jumps - a
+    course error passes half a turn on a flight against the leg - there is no slope, and none is told.
     """
     small = 1e-3  # m and m/s: far below any limit, far above rounding at 1e5 m
     normal = lift(path.normal(place), 1, mean.ndim - 1)
     steps = np.zeros((len(mean), 3, *normal.shape[1:]))
     steps[0::2, 1] = steps[1::2, 2] = small * normal
     banks = law(path.deviation(place, mean[:, None] + steps))
-    return Steering(banks[0], (banks[1] - banks[0]) / small, (banks[2] - banks[0]) / small)
+    changes = banks[1:] - banks[:1]
+    changes = np.where(np.abs(changes) > JUMP, 0.0, changes)
+    return Steering(banks[0], changes[0] / small, changes[1] / small)
 
 
 def push(normal: Array, mean: Array, acceleration: Array, dt: float) -> Array:
@@ -224,25 +228,29 @@ def folded(control: Steering, dt: float) -> Array:
 def closed(control: Steering, dt: float, noise: Array) -> tuple[Array, Array]:
     """Transition and noise (2, 2, *C) across the path over dt with the slopes of the law acting all the while.
 
-    The transition is ``expm((F + B C) dt)`` by its series to the fifth order: a sub-step is short beside the law's own
-    time, so what is left out is below 1e-6. ``noise`` (2, 2) is that of free motion; the law has acted on it for half
-    of dt on average.
+    ``noise`` (2, 2) is that of free motion; the law has acted on it for half of dt on average.
     """
-    half = _series(control, 0.5 * dt)
+    half = _closed_loop(control, 0.5 * dt)
     halfway = np.einsum("ij...,jk->ik...", half, np.array([[1.0, -0.5 * dt], [0.0, 1.0]]))
     shaped = np.einsum("ij...,jk,lk...->il...", halfway, noise, halfway)
     return np.einsum("ij...,jk...->ik...", half, half), shaped
 
 
-def _series(control: Steering, dt: float) -> Array:
-    slope, rate = GRAVITY * control.per_cross_track * dt, GRAVITY * control.per_cross_track_rate * dt
-    A = np.zeros((2, 2, *np.shape(slope)))
-    A[0, 1], A[1, 0], A[1, 1] = dt, slope, rate
-    one = lift(np.eye(2), 2, A.ndim - 2)
-    F = one + A / 5.0
-    for order in (4.0, 3.0, 2.0, 1.0):
-        F = one + np.einsum("ij...,jk...->ik...", A / order, F)
-    return F
+def _closed_loop(control: Steering, dt: float) -> Array:
+    """``tracking.motion.closed_loop`` for gains that differ from run to run, all three dampings at once."""
+    stiffness, rate = -GRAVITY * control.per_cross_track, -0.5 * GRAVITY * control.per_cross_track_rate
+    square = (stiffness - rate**2) * dt**2
+    root = np.sqrt(np.abs(square))
+    some = np.maximum(root, 1e-4)  # below it the series is exact to rounding
+    slow, fast = np.exp(some - rate * dt), np.exp(-some - rate * dt)
+    decay = np.exp(-rate * dt)
+    over = square < 0.0
+    s = np.where(over, (slow - fast) / (2.0 * some), decay * np.sin(some) / some)
+    c = np.where(over, 0.5 * (slow + fast), decay * np.cos(some))
+    near = root < 1e-4
+    s = dt * np.where(near, decay * (1.0 - square / 6.0), s)
+    c = np.where(near, decay * (1.0 - square / 2.0), c)
+    return np.array([[c + rate * s, s], [-stiffness * s, c - rate * s]])
 
 
 def embed(normal: Array, across: Array, along: Array) -> Array:
