@@ -95,7 +95,14 @@ def start(*arguments):
     root = Path(__file__).resolve().parents[2]
     command = [sys.executable, "-m", "sim", *map(str, arguments)]
     return subprocess.Popen(
-        command, cwd=root, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        command,
+        cwd=root,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # a test run in the background inherits a shell's "ignore Ctrl-C", which is not what is tested
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
 
 
