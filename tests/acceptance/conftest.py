@@ -47,5 +47,5 @@ def _kept() -> Rows:
     rows: Rows = {}
     for part in PAGE.read_text().split("\n## ")[1:]:
         group, *lines = part.splitlines()
-        rows[group] = {line.split(" | ")[0].removeprefix("| "): line for line in lines[4:] if line.startswith("| ")}
+        rows[group] = {line.split(" | ")[0].removeprefix("| "): line for line in lines[3:] if line.startswith("| ")}
     return rows
