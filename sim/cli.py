@@ -154,7 +154,7 @@ def validate(file: Scenario, sets: Sets = None) -> None:
     """Say whether a scenario can be flown, and everything that is wrong with it."""
     from sim.preparation import prepare
     from sim.scenario import read
-    from sim.trackers import check
+    from sim.tracker_setup import check
 
     scenario = read(file, _overrides(sets))
     check(prepare(scenario))

@@ -21,7 +21,8 @@ from sim.output import claim, staged, write_json, write_npz
 from sim.preparation import Prepared, prepare
 from sim.scenario import Scenario, read
 from sim.toml import dumps
-from sim.trackers import Tracked, build, check, track
+from sim.tracker_setup import build, check
+from sim.trackers import Tracked, track
 
 
 @dataclass(frozen=True)

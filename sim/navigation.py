@@ -14,7 +14,7 @@ from sim.errors import ScenarioError
 from sim.flight import Flight
 from sim.preparation import Prepared
 from sim.randomness import Streams
-from sim.trackers import build
+from sim.tracker_setup import build
 from tracking.gaussian import Gaussian, Mixture, merge
 
 DECISION_HEIGHT = 60.0  # m; below, the height is the radio altimeter's

@@ -12,7 +12,7 @@ import pytest
 
 import sim
 from sim import channels
-from sim.trackers import chart_height
+from sim.tracker_setup import chart_height
 from tracking.intervals import gain, mean_interval, proportion, rmse
 
 pytestmark = pytest.mark.acceptance

@@ -16,7 +16,8 @@ from sim.preparation import prepare
 from sim.scenario import read
 from sim.sensors.precision_radar import REACH, PrecisionRadar
 from sim.tables import Runway
-from sim.trackers import build, check, track
+from sim.tracker_setup import build, check
+from sim.trackers import track
 from tracking.association import clutter_density
 from tracking.measurement import to_ground
 

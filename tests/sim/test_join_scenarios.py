@@ -20,7 +20,7 @@ from sim.metrics import flight_metrics
 from sim.output import plain
 from sim.preparation import prepare
 from sim.scenario import read
-from sim.trackers import check
+from sim.tracker_setup import check
 from tracking.gaussian import Gaussian
 
 POINT_MASS = {"aircraft": {"model": "point_mass"}, "checks": []}

@@ -18,7 +18,8 @@ from sim.navigation import navigator
 from sim.observation import measurements, observe
 from sim.preparation import prepare
 from sim.scenario import read
-from sim.trackers import begins, build, check, track
+from sim.tracker_setup import build, check
+from sim.trackers import begins, track
 from tracking.track import follow
 
 LEGS = [
