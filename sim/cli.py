@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -60,6 +62,10 @@ def run(
 Workers = Annotated[
     int | None, typer.Option("-j", "--workers", min=1, help="Worker processes; default one for each core.")
 ]
+Cluster = Annotated[
+    str | None, typer.Option("--cluster", metavar="ADDRESS", help="Fly on a Dask cluster: its scheduler's HOST:PORT.")
+]
+Insecure = Annotated[bool, typer.Option("--insecure", help="Allow a cluster on another machine without TLS.")]
 
 
 @app.command()
@@ -71,15 +77,17 @@ def study(
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
     flights: Annotated[int | None, typer.Option(min=1, help="Flights of every sample of every cell.")] = None,
     anew: Annotated[bool, typer.Option("--anew", help="Throw away another study that the folder holds.")] = False,
+    cluster: Cluster = None,
+    insecure: Insecure = False,
 ) -> None:
     """Fly a scenario over the axes of its [study] table; what a folder already has of it is not flown again."""
     from sim import study as studies
 
     overrides = _overrides(sets, seed=seed, flights=flights)
     folder = out if out is not None else Path("out") / _study_name(scenario)
-    count = _workers(workers)
     call = studies.study
-    _study(folder, lambda **given: call(scenario, folder, overrides=overrides, anew=anew, **given), count)
+    with _executor(workers, cluster, insecure) as given:
+        _study(folder, lambda **more: call(scenario, folder, overrides=overrides, anew=anew, **given, **more))
 
 
 @app.command()
@@ -87,19 +95,21 @@ def resume(
     folder: Annotated[Path, typer.Argument(help="The folder of a study that was interrupted.")],
     workers: Workers = None,
     anyway: Annotated[bool, typer.Option("--anyway", help="Go on although the versions differ.")] = False,
+    cluster: Cluster = None,
+    insecure: Insecure = False,
 ) -> None:
     """Go on with a study where it was interrupted; the result is that of an uninterrupted one."""
     from sim import study as studies
 
-    _study(folder, lambda **given: studies.resume(folder, anyway=anyway, **given), _workers(workers))
+    with _executor(workers, cluster, insecure) as given:
+        _study(folder, lambda **more: studies.resume(folder, anyway=anyway, **given, **more))
 
 
-def _study(folder: Path, fly: Any, workers: int) -> None:
-    from sim.executors import LocalExecutor
+def _study(folder: Path, fly: Any) -> None:
     from sim.study_summary import study_summary
 
     try:
-        metrics = fly(executor=LocalExecutor(workers), workers=workers, progress=_progress())
+        metrics = fly(progress=_progress())
     except KeyboardInterrupt:
         typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}", err=True)
         raise typer.Exit(STOPPED) from None
@@ -116,10 +126,26 @@ def _study_name(scenario: str) -> str:
     return read(scenario).name
 
 
-def _workers(asked: int | None) -> int:
+@contextlib.contextmanager
+def _executor(workers: int | None, cluster: str | None, insecure: bool) -> Iterator[dict[str, Any]]:
+    """Where a study flies, and how many workers that costs this machine."""
     import os
 
-    return asked if asked is not None else os.cpu_count() or 1
+    if cluster is None:
+        from sim.executors import LocalExecutor
+
+        count = workers if workers is not None else os.cpu_count() or 1
+        yield {"executor": LocalExecutor(count), "workers": count}
+        return
+    if workers is not None:
+        raise OutputError("say -j or --cluster, not both: a cluster has its own workers")
+    from sim.cluster import connect
+
+    executor = connect(cluster, insecure)
+    try:
+        yield {"executor": executor, "workers": 0}
+    finally:
+        executor.close()
 
 
 @app.command()
