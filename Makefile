@@ -4,12 +4,13 @@ BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help demo test lint acceptance bench soak clean
+.PHONY: help demo test lint acceptance tutorials bench soak clean
 
 help:
 	@echo "make demo        fly the bundled An-26 approach and write its report"
 	@echo "make test        lint and run the tests"
 	@echo "make acceptance  measure every required figure at full size"
+	@echo "make tutorials   run the tutorials and renew what they print and draw"
 	@echo "make bench       measure speed, as ratios within one run"
 	@echo "make soak        kill workers and parents of studies and compare what is left"
 
@@ -33,6 +34,9 @@ lint: .venv/ready
 acceptance: .venv/ready
 	rm -f docs/acceptance.md
 	$(BIN)/python -m pytest -m acceptance -s tests/acceptance
+
+tutorials: .venv/ready
+	$(BIN)/python tests/docs/tutorials.py
 
 bench: .venv/ready
 	$(BIN)/python tests/benchmarks/run.py
