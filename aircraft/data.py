@@ -11,8 +11,11 @@ from typing import Annotated, Any, get_type_hints
 from aircraft.errors import ModelError
 from aircraft.landing_gear import height_of_wheels, wheel_track
 from aircraft.loading import total_mass
-from aircraft.model_files import Model, folder, read
+from aircraft.model_files import Model, folder, is_file, read
+from aircraft.safe_xml import confined
 from aircraft.units import spellings
+
+LARGEST_TABLE = 1 << 20  # bytes; the data of an aircraft are a page of text
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,10 @@ class FlapSetting:
     flaps: Annotated[float, "rad"]
     placard_speed: Annotated[float, "m/s"]  # indicated
     stall_speed: Annotated[float, "m/s"]  # at ``AircraftData.reference_mass``, sea level
+
+    def __post_init__(self) -> None:
+        if not (self.flaps >= 0.0 and self.stall_speed > 0.0):
+            raise ModelError("a flap setting needs flaps of 0 or more and a stall_speed above 0")
 
 
 @dataclass(frozen=True)
@@ -46,6 +53,13 @@ class AircraftData:
     factors: tuple[str, ...] = ()
     sources: tuple[tuple[str, str], ...] = ()  # (value, where it is from)
 
+    def __post_init__(self) -> None:
+        if self.flap_settings and not self.reference_mass > 0.0:
+            raise ModelError(f"the data of '{self.title}' need a reference_mass above 0 for their stall speeds")
+        for name in ("mass", "centre_of_gravity"):
+            if not getattr(self, f"{name}_min") <= getattr(self, f"{name}_max"):
+                raise ModelError(f"the data of '{self.title}' have {name}_min above {name}_max")
+
     def stall_speed(self, flaps: float, mass: float) -> float:
         """Stall speed, m/s, of the flap setting nearest to ``flaps`` (rad), scaled by the root of the mass (kg)."""
         if not self.flap_settings:
@@ -61,23 +75,24 @@ def data(model: str | Path) -> AircraftData:
 
 def describe(source: Model, model: str | Path) -> AircraftData:
     """Data of a model that is read already: from its TOML, and from its XML the mass and the main wheels."""
-    path = folder(model) / f"{source.name}.toml"
+    home = folder(model)
+    path = home / f"{source.name}.toml"
     from_model: dict[str, Any] = {
         "title": source.name,
         "reference_mass": total_mass(source),
         "wheel_track": wheel_track(source),
         "height_of_wheels": height_of_wheels(source),
     }
-    if not path.is_file():
+    if not is_file(path):
         return AircraftData(**from_model)
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = tomllib.loads(confined(path, home, LARGEST_TABLE).decode())
         settings = tuple(_build(FlapSetting, entry, path) for entry in table.pop("flap_settings", []))
         sources = tuple(table.pop("sources", {}).items())
         factors = tuple(table.pop("factors", []))
         ready = from_model | {"flap_settings": settings, "factors": factors, "sources": sources}
         return _build(AircraftData, table, path, **ready)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, TypeError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, TypeError, AttributeError, RecursionError) as error:
         raise ModelError(f"'{path.name}' cannot be read: {error}") from None
 
 
@@ -94,5 +109,11 @@ def _build(kind: type, table: dict[str, Any], path: Path, **ready: Any) -> Any:
         if key not in keys:
             raise ModelError(f"'{path.name}' has the unknown key '{key}'")
         name, factor = keys[key]
-        values[name] = value if isinstance(value, str) else value * factor
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if name == "title" and isinstance(value, str):
+            values[name] = value
+        elif name != "title" and is_number and math.isfinite(value):
+            values[name] = value * factor
+        else:
+            raise ModelError(f"'{path.name}' {key} must be a {'text' if name == 'title' else 'finite number'}")
     return kind(**values)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Mapping
 
@@ -76,7 +77,10 @@ def quantity(element: ElementTree.Element, units: Mapping[str, float], default: 
     """Number of an element in SI, its unit from the element unless given; raises ``ModelError``."""
     unit = (element.get("unit", default) if unit is None else unit).upper()
     try:
-        return float(element.text or "") * units[unit]
+        value = float(element.text or "") * units[unit]
+        if not math.isfinite(value):
+            raise ValueError
+        return value
     except (ValueError, KeyError):
         known = f" in {', '.join(units)}" if "" not in units else ""
         raise ModelError(f"<{element.tag}> must be a number{known}, not '{element.text}' {unit}".rstrip()) from None

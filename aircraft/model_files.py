@@ -12,22 +12,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from tempfile import TemporaryDirectory
-from types import SimpleNamespace
 from typing import NamedTuple
 
 from aircraft.errors import ModelError
+from aircraft.safe_xml import parse
 
 OWN_MODELS = Path(__file__).parent / "models"
 SECTIONS = ("metrics", "mass_balance", "ground_reactions", "propulsion", "flight_control", "aerodynamics")
-LARGEST_FILE = 4_000_000  # bytes; the largest stock file has 0.3 MB
 MOST_FILES = 100
-REFUSED_PROPERTIES = (  # they write files, or stop time
-    "simulation/write-state-file",
-    "simulation/force-output",
-    "simulation/pause",
-    "simulation/reset",
-    "simulation/do_",
-)
+LARGEST_MODEL = 8_000_000  # bytes of all files that a model refers to; the largest stock model has 0.3 MB
+LONGEST_REFERENCE = 200  # characters
 
 
 class Model(NamedTuple):
@@ -59,12 +53,9 @@ def folder(model: str | Path) -> Path:
     """
     text = str(model)
     if isinstance(model, Path) or "/" in text or "\\" in text:
-        path = Path(model)
-        if not (path / f"{path.resolve().name}.xml").is_file():
-            raise ModelError(f"no aircraft at '{path}': the folder must hold '{path.resolve().name}.xml'")
-        return path
+        return _users_folder(Path(model))
     for place in (OWN_MODELS / text, stock_root() / "aircraft" / text):
-        if text and (place / f"{place.name}.xml").is_file():
+        if text and is_file(place / f"{place.name}.xml"):
             return place
     names = tuple(available())
     near = difflib.get_close_matches(text, names, n=3, cutoff=0.5)
@@ -72,16 +63,29 @@ def folder(model: str | Path) -> Path:
     raise ModelError(f"there is no aircraft '{text}': {hint}")
 
 
+def _users_folder(path: Path) -> Path:
+    name = path.resolve().name
+    if path.is_symlink():
+        raise ModelError(f"'{path}' is a link: name the folder itself, '{path.resolve()}'")
+    if not is_file(path / f"{name}.xml"):
+        raise ModelError(f"no aircraft at '{path}': the folder must hold '{name}.xml'")
+    for place in (OWN_MODELS / name, stock_root() / "aircraft" / name):
+        if place.is_dir() and not path.samefile(place):
+            raise ModelError(f"the aircraft at '{path}' hides the one that is called '{name}': give it another name")
+    return path
+
+
 def read(model: str | Path) -> Model:
     """Read and strip a model with everything that it refers to; raises ``ModelError``."""
     home = folder(model)
     name = home.resolve().name
-    root = _parse(home / f"{name}.xml", home)
+    root = parse(home / f"{name}.xml", home)
     if root.tag != "fdm_config":
         raise ModelError(f"'{name}.xml' is not an aircraft for JSBSim: its root is <{root.tag}>, not <fdm_config>")
     _inline_sections(root, home)
     files: dict[PurePosixPath, ElementTree.Element] = {}
     pending = list(_references(root, name))
+    size = 0
     while pending:
         place, reference = pending.pop()
         if place / reference in files:
@@ -91,7 +95,12 @@ def read(model: str | Path) -> Model:
         found = _find(reference, home)
         if found is None:
             raise ModelError(f"'{name}' refers to the file '{reference}', which does not exist")
-        files[place / reference] = _parse(*found)
+        path, confines = found
+        size += path.stat().st_size
+        if size > LARGEST_MODEL:
+            raise ModelError(f"the files of '{name}' are larger than {LARGEST_MODEL / 1e6:g} MB together")
+        # two stock files define constants in a DOCTYPE
+        files[place / reference] = parse(path, confines, doctype_allowed=confines == stock_root())
         pending += _references(files[place / reference], name)
     return Model(name, root, files)
 
@@ -99,59 +108,34 @@ def read(model: str | Path) -> Model:
 @contextmanager
 def private_root(model: Model) -> Iterator[Path]:
     """Write the model into a temporary JSBSim root that is gone afterwards."""
-    with TemporaryDirectory(prefix="shortfinal-") as place:
-        root = Path(place)
-        home = root / "aircraft" / model.name
-        for directory in (home, root / "engine", root / "systems"):
-            directory.mkdir(parents=True)
-        ElementTree.ElementTree(model.root).write(home / f"{model.name}.xml", encoding="utf-8", xml_declaration=True)
-        for reference, tree in model.files.items():
-            path = root / f"{reference}.xml"
-            path.parent.mkdir(parents=True, exist_ok=True)
-            ElementTree.ElementTree(tree).write(path, encoding="utf-8", xml_declaration=True)
-        yield root
-
-
-def _parse(path: Path, home: Path) -> ElementTree.Element:
-    if path.is_symlink() or not path.resolve().is_relative_to(home.resolve()):
-        raise ModelError(f"'{path.name}' is a link out of its folder, which a model may not hold")
-    if path.stat().st_size > LARGEST_FILE:
-        raise ModelError(f"'{path.name}' is larger than {LARGEST_FILE / 1e6:g} MB")
-    tree = ElementTree.TreeBuilder()
-    doctype = _ignore_doctype if home == stock_root() else _refuse_doctype  # two stock files define constants in one
-    target = SimpleNamespace(start=tree.start, end=tree.end, data=tree.data, close=tree.close, doctype=doctype)
-    parser = ElementTree.XMLParser(target=target)
     try:
-        root = ElementTree.fromstring(path.read_bytes(), parser)
-    except ModelError:
-        raise
-    except ElementTree.ParseError as error:
-        raise ModelError(f"'{path.name}' is not well-formed XML: {error}") from None
-    except (LookupError, ValueError) as error:
-        raise ModelError(f"'{path.name}' cannot be read: {error}") from None
-    _strip(root)
-    for element in root.iter():
-        for text in (element.text or "", *element.attrib.values()):
-            if any(name in text for name in REFUSED_PROPERTIES):
-                raise ModelError(f"'{path.name}' uses a property that steers the simulator: '{text.strip()}'")
-    return root
+        place = TemporaryDirectory(prefix="shortfinal-")
+    except OSError as error:
+        raise ModelError(f"there is no place for a copy of '{model.name}': {error.strerror}") from None
+    with place as root:
+        try:
+            _write(model, Path(root))
+        except OSError as error:
+            raise ModelError(f"the copy of '{model.name}' cannot be written: {error.strerror}") from None
+        yield Path(root)
 
 
-def _refuse_doctype(*_: object) -> None:
-    raise ModelError("a model may not have a DOCTYPE, which can name other files")
+def _write(model: Model, root: Path) -> None:
+    home = root / "aircraft" / model.name
+    for directory in (home, root / "engine", root / "systems"):
+        directory.mkdir(parents=True)
+    for reference, tree in {PurePosixPath("aircraft", model.name, model.name): model.root, **model.files}.items():
+        path = root / f"{reference}.xml"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        ElementTree.ElementTree(tree).write(path, encoding="utf-8", xml_declaration=True)
 
 
-def _ignore_doctype(*_: object) -> None:
-    """Entities of the stock files are internal; external ones stay unresolved in any case."""
-
-
-def _strip(root: ElementTree.Element) -> None:
-    """Drop what opens files or sockets. Inside control systems <input> and <output> name a property, nothing more."""
-    for parent in list(root.iter()):
-        for child in list(parent):
-            is_device = parent is root or len(child) > 0 or bool(child.attrib)
-            if child.tag in ("input", "output") and is_device:
-                parent.remove(child)
+def is_file(path: Path) -> bool:
+    """Whether a path is a regular file that can be looked at; a name that no file can have is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
 
 
 def _inline_sections(root: ElementTree.Element, home: Path) -> None:
@@ -160,14 +144,16 @@ def _inline_sections(root: ElementTree.Element, home: Path) -> None:
         if section.tag not in SECTIONS or "file" not in section.attrib:
             continue
         path = home / f"{_confined(section)}.xml"
-        if not path.is_file():
+        if not is_file(path):
             raise ModelError(f"'{home.name}' refers to the file '{path.name}', which does not exist")
-        root[number] = _parse(path, home)
+        root[number] = parse(path, home)
 
 
 def _confined(element: ElementTree.Element) -> str:
     """The file that an element refers to, without suffix; raises ``ModelError`` when it is not below the model."""
     reference = element.get("file", "")
+    if not 0 < len(reference) <= LONGEST_REFERENCE:
+        raise ModelError(f"the file of a <{element.tag}> must have 1 to {LONGEST_REFERENCE} characters")
     parts = PureWindowsPath(reference)
     if parts.is_absolute() or parts.drive or reference.startswith(("/", "\\", "~")) or ".." in parts.parts:
         raise ModelError(f'file="{reference}" leaves the folder of the model')
@@ -181,6 +167,8 @@ def _references(root: ElementTree.Element, name: str) -> Iterator[tuple[PurePosi
             continue
         plain = _confined(element)
         element.set("file", plain)
+        if plain == name:
+            raise ModelError(f"'{name}.xml' refers to itself")
         yield PurePosixPath("engine" if element.tag in ("engine", "thruster") else f"aircraft/{name}"), plain
 
 
@@ -195,6 +183,6 @@ def _find(reference: str, home: Path) -> tuple[Path, Path] | None:
         (stock / "engine", stock),
     ):
         path = place / f"{reference}.xml"
-        if path.is_file():
+        if is_file(path):
             return path, confines
     return None

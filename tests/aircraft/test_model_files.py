@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from aircraft import model_files
+from aircraft import model_files, safe_xml
 from aircraft.airframe import load
 from aircraft.model_files import ModelError, available, private_root, read
 
@@ -126,7 +126,7 @@ def test_links_and_large_files_are_refused(folder, tmp_path):
     with pytest.raises(ModelError, match="link"):
         read(home)
     with pytest.raises(ModelError, match="larger than"):
-        read(folder("<fdm_config>" + " " * model_files.LARGEST_FILE + "</fdm_config>"))
+        read(folder("<fdm_config>" + " " * safe_xml.LARGEST_FILE + "</fdm_config>"))
 
 
 @pytest.mark.parametrize(("name", "near"), [("an62", "an26"), ("c172", "c172"), ("A32", "A320")])
