@@ -247,16 +247,19 @@ def doctor() -> None:
 
 @app.command()
 def export(
-    folder: Annotated[Path, typer.Argument(help="A run folder.")],
+    folder: Annotated[Path, typer.Argument(help="A run folder or a study folder.")],
     csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
+    parquet: Annotated[bool, typer.Option("--parquet", help="Parquet, for large records.")] = False,
 ) -> None:
-    """Write the records of a run for other programs."""
-    from sim.export import export_csv
+    """Write the records of a run, or the flights of a study, for other programs."""
+    from sim.export import export as write
 
-    if not csv:
-        raise OutputError("say which format: --csv")
-    for path in export_csv(folder):
-        typer.echo(f"wrote {path}")
+    kinds = [name for name, asked in (("csv", csv), ("parquet", parquet)) if asked]
+    if not kinds:
+        raise OutputError("say which format: --csv or --parquet")
+    for kind in kinds:
+        for path in write(folder, kind):
+            typer.echo(f"wrote {path}")
 
 
 def _overrides(sets: list[str] | None, **named: int | None) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The records of a run as comma-separated values, one file for the flight, each sensor and each tracker."""
+"""The records of a run or a study as tables for other programs: comma-separated values, or Parquet."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from sim.errors import OutputError
 from sim.output import MARK, staged
+from sim.study_folder import IDENTITY, read_log
 
 RECORDS = ("flight", "measurements", "tracks")
 ANGLES = ("azimuth", "elevation", "bearing", "course", "bank", "heading", "turn", "path_angle")  # others are lengths
@@ -20,26 +22,57 @@ PER_TIME = {"_rate": "ps", "_speed": "ps", "_acceleration": "ps2"}  # how a chan
 Columns = dict[str, np.ndarray]
 
 
-def export_csv(folder: Path) -> list[Path]:
-    """Write the records of a run folder beside themselves as CSV; returns the files written.
+def export(folder: Path, kind: str) -> list[Path]:
+    """Write the records of a folder beside themselves, ``kind`` csv or parquet; returns the files written.
 
-    Numbers are written in full; what is absent is an empty cell. Sensors and trackers get one row for each epoch and
-    noise draw. Raises ``OutputError`` in one sentence for a folder that is not a run, or a record that is missing or
-    damaged.
+    A run gives one file for the flight, each sensor and each tracker; sensors and trackers have one row for each epoch
+    and noise draw. A study gives one file with a row for each flight. Numbers are written in full; what is absent is an
+    empty cell, or null. Raises ``OutputError`` in one sentence for a folder that holds neither, or a record that is
+    missing or damaged.
     """
+    write = WRITERS[kind]
+    if kind == "parquet":
+        _require_pyarrow()
+    tables = {f"{name}.{kind}": table for name, table in _tables(folder).items()}
+    with staged(folder) as place:
+        for name, table in tables.items():
+            write(place / name, table)
+    return [folder / name for name in tables]
+
+
+def _tables(folder: Path) -> dict[str, Columns]:
+    """Every table of a folder by its name."""
     if not folder.is_dir():
-        raise OutputError(f"{folder}: no such folder; name the folder that 'shortfinal run' wrote")
+        raise OutputError(f"{folder}: no such folder; name the folder that 'shortfinal run' or 'study' wrote")
     if not (folder / MARK).is_file():
-        raise OutputError(f"{folder}: not a run folder; name one that 'shortfinal run' wrote")
-    tables = {
-        f"{record}.{group}.csv" if group else f"{record}.csv": _table(arrays)
+        raise OutputError(f"{folder}: not a run folder; name one that 'shortfinal run' or 'study' wrote")
+    if (folder / IDENTITY).is_file():
+        return {"flights": _flights(folder)}
+    return {
+        f"{record}.{group}" if group else record: _table(arrays)
         for record in RECORDS
         for group, arrays in _groups(_load(folder / f"{record}.npz")).items()
     }
-    with staged(folder) as place:
-        for name, table in tables.items():
-            _write(place / name, table)
-    return [folder / name for name in tables]
+
+
+def _flights(folder: Path) -> Columns:
+    """One row for each finished flight of a study: what was varied, how it ended, every figure."""
+    from sim.study_metrics import scalars
+
+    rows: list[dict[str, Any]] = [
+        {
+            **{name: record[name] for name in ("cell", "sample", "flight")},
+            **record["values"],
+            "outcome": record["metrics"]["outcome"],
+            **dict(scalars(record["metrics"])),
+        }
+        for record in read_log(folder)
+    ]
+    if not rows:
+        raise OutputError(f"{folder}: the study has no finished flight yet")
+    rows.sort(key=lambda row: (row["cell"], row["sample"], row["flight"]))
+    names = dict.fromkeys(name for row in rows for name in row)
+    return {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
 
 
 def _load(path: Path) -> Columns:
@@ -93,7 +126,7 @@ def _with_unit(channel: str) -> str:
     return f"{channel}_{quantity}{per_time}"
 
 
-def _write(path: Path, columns: Columns) -> None:
+def _write_csv(path: Path, columns: Columns) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
@@ -106,3 +139,21 @@ def _cells(column: np.ndarray) -> Iterator[object]:
         return iter(column.tolist())
     absent = np.isnan(column)
     return itertools.chain("" if gone else value for value, gone in zip(column.tolist(), absent.tolist(), strict=True))
+
+
+def _require_pyarrow() -> None:
+    try:
+        import pyarrow  # noqa: F401
+    except ImportError:
+        raise OutputError("--parquet needs pyarrow: pip install 'shortfinal[parquet]'") from None
+
+
+def _write_parquet(path: Path, columns: Columns) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    arrays = {name: pyarrow.array(column, from_pandas=True) for name, column in columns.items()}  # NaN is null
+    parquet.write_table(pyarrow.table(arrays), path)
+
+
+WRITERS = {"csv": _write_csv, "parquet": _write_parquet}

@@ -230,6 +230,7 @@ def _fly_all(
     progress: Callable[..., Any] | None,
 ) -> dict[str, Any]:
     with folders.locked(folder):
+        folders.mend_log(folder)
         records = {_key(record): record for record in folders.read_log(folder)}
         waiting = [
             Job(cell, sample, flight, {**planned.cells[cell], **planned.samples[sample]}, tables[cell], drawn)

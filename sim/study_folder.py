@@ -126,18 +126,26 @@ def line(record: dict[str, Any]) -> str:
 
 
 def read_log(folder: Path) -> list[dict[str, Any]]:
-    """The records of finished flights; a last line that was torn by a crash is cut off the file."""
+    """The records of finished flights; a last line that is torn, by a crash or because it is being written, is not."""
     path = folder / LOG
-    with _told(folder):
-        if not path.exists():
-            return []
-        whole, newline, torn = path.read_bytes().rpartition(b"\n")
-        if torn:
-            os.truncate(path, len(whole) + len(newline))
     try:
-        return [json.loads(text) for text in whole.split(b"\n") if text]
+        return [json.loads(text) for text in _whole_lines(path).split(b"\n") if text]
     except ValueError:
         raise OutputError(f"{path}: is damaged; take out the line that is no JSON, or start the study --anew") from None
+
+
+def mend_log(folder: Path) -> None:
+    """Cut a last line off that was torn by a crash; only for who holds the lock."""
+    path = folder / LOG
+    with _told(folder):
+        if path.exists():
+            os.truncate(path, len(_whole_lines(path)))
+
+
+def _whole_lines(path: Path) -> bytes:
+    with _told(path.parent):
+        whole, newline, _ = path.read_bytes().rpartition(b"\n") if path.exists() else (b"", b"", b"")
+    return whole + newline
 
 
 @contextlib.contextmanager

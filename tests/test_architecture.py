@@ -28,6 +28,8 @@ CONFINED = {
     "filterpy": ("tracking/filterpy_adapter.py",),
     "matplotlib": ("sim/reporting/",),
     "jinja2": ("sim/reporting/",),
+    "distributed": ("sim/cluster.py",),
+    "pyarrow": ("sim/export.py",),
 }
 HEAVY = (*CONFINED, "scipy")  # what a user who asks for help should not wait for
 
