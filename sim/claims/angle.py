@@ -1,4 +1,4 @@
-"""The angle channel of the two papers on the landing system, drawn from their own model."""
+"""The angle channel of the two papers on the landing system: drawn from their own model, or along a flight."""
 
 from __future__ import annotations
 
@@ -9,14 +9,16 @@ import numpy as np
 
 from tracking.gaussian import Gaussian
 from tracking.track import Measurements
-from tracking.trackers.elevation import PERIOD, increments
+from tracking.trackers.elevation import PERIOD
 from tracking.trackers.switching_noise import stationary
 
 DEGREE = math.pi / 180.0
 VARIANCE = 0.0036  # deg^2, printed
+SIGMA = math.sqrt(VARIANCE) * DEGREE  # rad
 INCREMENT = 0.01  # deg/s per step: the printed Q = 1e-4 with B = [0, 1]'
 MEASURED = ("mls.elevation",)
 PRIOR = Gaussian(np.array([2.2906, 0.0]) * DEGREE, np.diag([0.005, 0.0122**2]) * DEGREE**2)
+STEADY = ((1.0,),)  # one accuracy for ever
 
 
 def drawn(
@@ -24,26 +26,46 @@ def drawn(
     runs: int,
     steps: int,
     prior: Gaussian,
-    chain: Any = ((1.0,),),
+    chain: Any = STEADY,
     factors: tuple[float, ...] = (1.0,),
 ) -> tuple[Any, Measurements]:
-    """Truth of the angle (steps, runs), rad, and its measurements, whose accuracies follow a Markov chain."""
-    transition, _ = increments(2, PERIOD, PERIOD, INCREMENT)
+    """Truth of the angle (steps, runs), rad, by the model (5), and its measurements."""
+    scale = accuracies(generator, runs, steps, chain, factors)
+    angle, rate = prior.mean[:, None] + np.sqrt(np.diag(prior.cov))[:, None] * generator.standard_normal((2, runs))
+    pushed = INCREMENT * DEGREE * generator.standard_normal((steps, runs))
+    rates = rate + np.concatenate([np.zeros((1, runs)), pushed[:-1].cumsum(axis=0)])  # before each step
+    truth = angle + PERIOD * rates.cumsum(axis=0)
+    return truth, record((truth + SIGMA * scale * generator.standard_normal((steps, runs)))[:, None])
+
+
+def along(
+    generator: np.random.Generator,
+    runs: int,
+    truth: Any,
+    spread: Any,
+    chain: Any = STEADY,
+    factors: tuple[float, ...] = (1.0,),
+) -> tuple[Any, Measurements, Gaussian]:
+    """Truth (steps, 1), measurements and prior on an angle that is flown; ``truth`` begins a step before the first."""
+    scale = accuracies(generator, runs, len(truth) - 1, chain, factors)
+    start = np.array([truth[0], (truth[1] - truth[0]) / PERIOD])
+    mean = start[:, None] + np.sqrt(np.diag(spread))[:, None] * generator.standard_normal((2, runs))
+    z = truth[1:, None] + SIGMA * scale * generator.standard_normal((len(truth) - 1, runs))
+    return truth[1:, None], record(z[:, None]), Gaussian(mean, spread)
+
+
+def accuracies(generator: np.random.Generator, runs: int, steps: int, chain: Any, factors: tuple[float, ...]) -> Any:
+    """Factor of the sigma (steps, runs) that follows a Markov chain from its stationary state."""
     chances, scale = np.array(chain), np.array(factors)
+    if len(chances) == 1:
+        return np.full((steps, 1), scale[0])
     cumulative = chances.cumsum(axis=1)
     cumulative[:, -1] = 1.0
-    first = np.append(stationary(chances).cumsum()[:-1], 1.0) if len(chances) > 1 else np.ones(1)
-    state = (generator.random(runs)[:, None] > first).sum(axis=1)
-    x = prior.mean[:, None] + np.sqrt(np.diag(prior.cov))[:, None] * generator.standard_normal((2, runs))
-    truth, z = np.empty((steps, runs)), np.empty((steps, 1, runs))
-    for k in range(steps):
-        if len(chances) > 1:
-            state = (generator.random(runs)[:, None] > cumulative[state]).sum(axis=1)
-        x = transition @ x
-        x[1] += INCREMENT * DEGREE * generator.standard_normal(runs)
-        truth[k] = x[0]
-        z[k] = x[0] + math.sqrt(VARIANCE) * DEGREE * scale[state] * generator.standard_normal(runs)
-    return truth, record(z)
+    state = (generator.random(runs)[:, None] > np.append(stationary(chances).cumsum()[:-1], 1.0)).sum(axis=1)
+    states = np.empty((steps, runs), int)
+    for k, chance in enumerate(generator.random((steps, runs, 1))):
+        state = states[k] = (chance > cumulative[state]).sum(axis=1)
+    return scale[states]
 
 
 def record(z: Any, variance: float = VARIANCE) -> Measurements:

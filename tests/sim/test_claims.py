@@ -160,7 +160,7 @@ def test_the_verdict_on_the_printed_gain_does_not_depend_on_the_seed():
     for seed in (1, 2, 3):
         row = measure("kychak2011", listed["accuracy_gain"], seed, quick=True)
         assert row.verdict == "not reproducible"
-        assert measure("kychak2011", listed["steady_state"], seed, quick=True).verdict == "reproduced"
+        assert measure("kychak2011", listed["steady_state"], seed, quick=True).verdict == "qualified"
         assert row.measured[0].value == pytest.approx(107.0, rel=0.12)  # 200 runs: 3 % and heavy tails
 
 
