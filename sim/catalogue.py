@@ -12,6 +12,7 @@ FOLDERS = {
     "trackers": ("tracking.trackers", "step"),
     "modes": ("autopilot.modes", "__call__"),
     "truths": ("sim.truths", "fly"),
+    "wind_events": ("aircraft.wind_events", "velocity"),
 }
 
 

@@ -24,6 +24,7 @@ def kind_lines() -> list[str]:
         ("modes", "[autopilot] kind"),
         ("sensors", "[sensors.NAME] kind"),
         ("trackers", "[trackers.NAME] kind"),
+        ("wind_events", "[wind.events.NAME] kind"),
     ):
         package, _ = catalogue.FOLDERS[family]
         rows = []

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from aircraft.airframe import Runway as Place
+from aircraft.airframe import Wind
 from aircraft.data import AircraftData, data
 from aircraft.errors import FlightError, ModelError, TrimError
-from aircraft.wind import SteadyWind, Turbulence
 from autopilot.approach import PHASES, Approach, Landing
 from autopilot.design import RATE_MARGIN, Designed
 from autopilot.modes.lateral_navigation import LateralNavigation
@@ -23,6 +23,7 @@ from sim.randomness import Streams
 from sim.scenario import Scenario
 from sim.tables import PatternTable
 from sim.vehicles import Configuration, Initial, JsbsimVehicle, PointMassVehicle, designed, designed_point_mass
+from sim.weather import air
 
 MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
 REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
@@ -53,19 +54,22 @@ class Prepared:
         return self.autopilot.law
 
     @property
+    def other_law(self) -> Any:
+        """The law of the autopilot's other mode, as designed: it could be flown instead."""
+        if isinstance(self.law, RadioBeacon):
+            return self.designed.law
+        return _beacon_law({}, self.designed, self.route)
+
+    @property
     def phases(self) -> tuple[str, ...]:
         """Names of the phases by index."""
         return PHASES
 
-    def wind(self, flight: int) -> SteadyWind | Turbulence:
+    def wind(self, flight: int) -> Wind:
         """The air of one flight: turbulence has its own stream."""
-        table = self.scenario.wind
-        steady = SteadyWind(*table.steady)
-        if table.intensity == 0.0:
-            return steady
-        noise = Streams(self.scenario.seed, flight, 1, "wind").generator("turbulence")
-        course = self.scenario.runway.heading if table.speed == 0.0 else None
-        return Turbulence(table.intensity, noise, steady, course)
+        scenario = self.scenario
+        noise = Streams(scenario.seed, flight, 1, "wind").generator("turbulence")
+        return air(scenario.wind, scenario.runway, noise)
 
 
 def prepare(scenario: Scenario) -> Prepared:
@@ -103,7 +107,7 @@ def prepare(scenario: Scenario) -> Prepared:
         initial = _initial(scenario, route, flaps, landing)
         vehicle = _vehicle(scenario, gains)
         place = "[aircraft]"
-        vehicle.read(vehicle.begin(initial, SteadyWind(*scenario.wind.steady)))  # it trims, or says why not
+        vehicle.read(vehicle.begin(initial, air(scenario.wind, scenario.runway)))  # it trims, or says why not
     except (ModelError, TrimError, FlightError, ValueError) as error:
         raise ScenarioError(f"{scenario.name}: {place} {error}") from None
     limits = Limits(scenario.until, scenario.runway)
@@ -145,7 +149,9 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
 
 
 def _route(scenario: Scenario, landing: Landing | None) -> Route:
-    table, runway, wind = scenario.route, scenario.runway, scenario.wind.steady
+    table, runway = scenario.route, scenario.runway
+    level = table.height if isinstance(table, PatternTable) else max(leg.height for leg in table.legs)
+    wind = scenario.wind.at(level)  # the turns are flown there
     if isinstance(table, PatternTable):
         assert landing is not None
         if not table.downwind_speed >= table.turn_speed >= landing.approach_speed:
@@ -272,6 +278,8 @@ def _warnings(scenario: Scenario, aircraft: AircraftData) -> tuple[str, ...]:
     north, east = scenario.wind.steady
     along, across = scenario.runway.from_local(north, east)
     told = []
+    if scenario.wind.events and scenario.aircraft.model == "point_mass":
+        told.append("the point mass keeps its airspeed in gusts and microbursts: they only carry it along")
     if along > aircraft.tailwind_limit:
         told.append(
             f"tailwind {along:.1f} m/s is above the limit of {aircraft.tailwind_limit:.1f} m/s ({aircraft.title})"

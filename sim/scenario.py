@@ -175,6 +175,10 @@ def _route_model(kind: str) -> type[BaseModel]:
     return model_of(ROUTES[kind], kind, defaulted_kind=kind == "pattern")
 
 
+def _wind_model(events: Any) -> type[BaseModel]:
+    return create_model("wind", __base__=model_of(WindTable), events=(events, {}))
+
+
 def _file_model(parts: dict[str, Any]) -> type[BaseModel]:
     """The model of a whole file; ``parts`` gives the types of the tables that have kinds."""
     text = Annotated[str, Field(pattern=f"^{NAME.pattern}$")]
@@ -189,7 +193,6 @@ def _file_model(parts: dict[str, Any]) -> type[BaseModel]:
         runway=(model_of(Runway), None),
         aircraft=(model_of(AircraftChoice), None),
         start=(model_of(Start), None),
-        wind=(model_of(WindTable), None),
         designed=(dict[str, Any] | None, None),
         checks=(list[model_of(Check)], []),  # type: ignore[misc]
         study=(model_of(StudyTable) | None, None),
@@ -205,8 +208,10 @@ def schema() -> dict[str, Any]:
 
     sensors = union([model_of(catalogue.load("sensors", kind), kind) for kind in catalogue.kinds("sensors")])
     trackers = union([_tracker_model(kind) for kind in catalogue.kinds("trackers")])
+    events = union([model_of(catalogue.load("wind_events", kind), kind) for kind in catalogue.kinds("wind_events")])
     parts = {
         "route": (union([_route_model(kind) for kind in ROUTES]), None),
+        "wind": (_wind_model(dict[str, events]), None),
         "autopilot": (union([_autopilot_model(mode) for mode in catalogue.kinds("modes")]), None),
         "sensors": (dict[str, sensors], {}),
         "trackers": (dict[str, trackers], {}),
@@ -231,24 +236,31 @@ def _parts(tables: dict[str, Any], faults: list[str]) -> dict[str, Any]:
             parts[table] = (Any, None)
         else:
             parts[table] = (build(kind), None)
-    for family, build in (("sensors", None), ("trackers", _tracker_model)):
-        members: dict[str, Any] = {}
-        named = tables.get(family, {})
-        for name, table in named.items() if isinstance(named, dict) else ():
-            kind = _kind(table, None)
-            if not NAME.fullmatch(name):
-                faults.append(f"[{family}.{name}]: a name starts with a letter and has letters, digits, _ and -")
-            if not isinstance(table, dict):
-                faults.append(f"[{family}] {name}: must be a table with a 'kind'")
-                members[name] = (Any, ...)
-            elif kind not in catalogue.kinds(family):
-                told = f"no kind '{kind}'; {did_you_mean(str(kind), catalogue.kinds(family))}" if kind else "is missing"
-                faults.append(f"[{family}.{name}] kind: {told}")
-                members[name] = (Any, ...)
-            else:
-                members[name] = (build(kind) if build else model_of(catalogue.load(family, kind), kind), ...)
-        parts[family] = (create_model(family, __config__=ConfigDict(extra="forbid"), **members), {})
+    parts["sensors"] = (_members("sensors", "sensors", tables.get("sensors"), faults), {})
+    parts["trackers"] = (_members("trackers", "trackers", tables.get("trackers"), faults, _tracker_model), {})
+    wind = tables.get("wind")
+    events = wind.get("events") if isinstance(wind, dict) else None
+    parts["wind"] = (_wind_model(_members("wind_events", "wind.events", events, faults)), None)
     return parts
+
+
+def _members(family: str, place: str, named: Any, faults: list[str], build: Any = None) -> type[BaseModel]:
+    """The model of a table whose members are named by the user and have kinds."""
+    members: dict[str, Any] = {}
+    for name, table in named.items() if isinstance(named, dict) else ():
+        kind = _kind(table, None)
+        if not NAME.fullmatch(name):
+            faults.append(f"[{place}.{name}]: a name starts with a letter and has letters, digits, _ and -")
+        if not isinstance(table, dict):
+            faults.append(f"[{place}] {name}: must be a table with a 'kind'")
+            members[name] = (Any, ...)
+        elif kind not in catalogue.kinds(family):
+            told = f"no kind '{kind}'; {did_you_mean(str(kind), catalogue.kinds(family))}" if kind else "is missing"
+            faults.append(f"[{place}.{name}] kind: {told}")
+            members[name] = (Any, ...)
+        else:
+            members[name] = (build(kind) if build else model_of(catalogue.load(family, kind), kind), ...)
+    return create_model(family, __config__=ConfigDict(extra="forbid"), **members)
 
 
 def _build(origin: str, tables: dict[str, Any]) -> Scenario:
@@ -275,6 +287,13 @@ def _build(origin: str, tables: dict[str, Any]) -> Scenario:
         for name, entry in tables.get("sensors", {}).items()
     }
     trackers = {name: _tracker(faults, name, entry, tables) for name, entry in tables.get("trackers", {}).items()}
+    wind_table = tables.get("wind", {})
+    events = {
+        name: _construct(
+            faults, f"[wind.events.{name}]", catalogue.load("wind_events", entry["kind"]), entry, runway=runway
+        )
+        for name, entry in wind_table.get("events", {}).items()
+    }
     scenario = {
         "name": tables["name"],
         "seed": tables.get("seed", DEFAULTS["seed"]),
@@ -294,7 +313,7 @@ def _build(origin: str, tables: dict[str, Any]) -> Scenario:
             if law_table.get(key) is not None
         },
         "designed": tables.get("designed"),
-        "wind": table("wind", WindTable),
+        "wind": _construct(faults, "[wind]", WindTable, wind_table, events=events),
         "sensors": sensors,
         "trackers": trackers,
         "checks": tuple(
@@ -355,6 +374,11 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
         kind = {"route": _kind(given, "pattern"), "autopilot": built["mode"]}.get(name)
         law = {"law": given["law"]} if "law" in given else {}
         out[name] = ({"kind": kind} if kind else {}) | _completed(built[name], given) | law
+    if built["wind"].events:
+        out["wind"]["events"] = {
+            name: {"kind": tables["wind"]["events"][name]["kind"]} | _completed(event, tables["wind"]["events"][name])
+            for name, event in built["wind"].events.items()
+        }
     out["designed"] = tables.get("designed")
     out["sensors"] = {
         name: {"kind": tables["sensors"][name]["kind"]} | _completed(sensor, tables["sensors"][name])

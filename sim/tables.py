@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from aircraft.turbulence_intensity import INTENSITIES
+from aircraft.wind_shear import HIGHEST, LOWEST, LogarithmicProfile, PowerProfile
 from sim.axes import Axis, Sampled, axis
 
 
@@ -145,17 +147,22 @@ class AutopilotTable:
             raise ValueError("roll_rate_limit must be above 0 and at most 90 degrees per second")
 
 
-INTENSITIES = {"light": 15.0, "moderate": 30.0, "severe": 45.0}  # kt at 20 ft [MIL-F-8785C, low-altitude model]
+TOWER = 10.0  # m above the ground, where wind is measured
 
 
 @dataclass(frozen=True)
 class WindTable:
-    """Steady wind, and Dryden turbulence whose intensity does not depend on it."""
+    """Steady wind with its profile, Dryden turbulence whose intensity does not depend on it, and single events."""
 
     from_: Annotated[float, "rad"] = 0.0
     speed: Annotated[float, "m/s"] = 0.0
     turbulence: Literal["none", "light", "moderate", "severe"] = "none"
     w20: Annotated[float | None, "m/s"] = None
+    shear: Literal["none", "logarithmic", "power"] = "none"
+    reference_height: Annotated[float | None, "m"] = None  # where ``speed`` is measured; absent = 10 m
+    roughness: Annotated[float | None, "m"] = None  # of the logarithmic profile
+    exponent: float | None = None  # of the power profile
+    events: Annotated[dict[str, Any], "given"] = field(default_factory=dict)  # gusts and microbursts by name
 
     def __post_init__(self) -> None:
         if not 0 <= self.speed <= 100:
@@ -164,16 +171,44 @@ class WindTable:
             raise ValueError("say 'turbulence' or 'w20_kt', not both")
         if self.w20 is not None and not 0 < self.w20 <= 50:
             raise ValueError("w20 must be above 0 and at most 50 m/s")
+        for name, shear in (("roughness", "logarithmic"), ("exponent", "power")):
+            if getattr(self, name) is not None and self.shear != shear:
+                raise ValueError(f'{name} belongs to shear = "{shear}"')
+        if self.reference_height is not None and self.shear == "none":
+            raise ValueError('reference_height belongs to a shear, "logarithmic" or "power"')
+        if self.reference_height is not None and not LOWEST <= self.reference_height <= HIGHEST:
+            raise ValueError(f"reference_height must lie within {LOWEST:.1f} and {HIGHEST:.1f} m")
+        _ = self.profile  # its own limits
 
     @property
     def steady(self) -> tuple[float, float]:
-        """The way the air moves, m/s (north, east)."""
+        """The way the air moves, m/s (north, east), where it is measured; without shear, everywhere."""
         return -self.speed * math.cos(self.from_), -self.speed * math.sin(self.from_)
+
+    @property
+    def profile(self) -> LogarithmicProfile | PowerProfile | None:
+        """How the speed grows with height."""
+        if self.shear == "logarithmic":
+            return LogarithmicProfile() if self.roughness is None else LogarithmicProfile(self.roughness)
+        if self.shear == "power":
+            return PowerProfile() if self.exponent is None else PowerProfile(self.exponent)
+        return None
+
+    @property
+    def tower(self) -> float:
+        """Height, m, where the wind is measured."""
+        return TOWER if self.reference_height is None else self.reference_height
+
+    def at(self, height: float) -> tuple[float, float]:
+        """The way the air moves without turbulence and events at a height, m/s (north, east)."""
+        north, east = self.steady
+        share = 1.0 if self.profile is None else self.profile.share(height, self.tower)
+        return share * north, share * east
 
     @property
     def intensity(self) -> float:
         """Mean wind at 20 ft that sets the turbulence, m/s; 0 = smooth air."""
-        return self.w20 if self.w20 is not None else INTENSITIES.get(self.turbulence, 0.0) * 1852.0 / 3600.0
+        return self.w20 if self.w20 is not None else INTENSITIES.get(self.turbulence, 0.0)
 
 
 @dataclass(frozen=True)

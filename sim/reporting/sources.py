@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 from aircraft.data import data
 from aircraft.point_mass import PointMass
-from aircraft.wind import Turbulence, intensity
+from aircraft.turbulence import Turbulence
+from aircraft.turbulence_intensity import intensity
 from autopilot.design import lateral_law
 from sim import catalogue
 from sim.reporting.quantities import words

@@ -5,7 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from aircraft.wind import INTENSITIES, ROOT_THREE, SteadyWind, Turbulence, _second_order, intensity, steady_wind
+from aircraft.turbulence import ROOT_THREE, Turbulence, _second_order
+from aircraft.turbulence_intensity import INTENSITIES, intensity
+from aircraft.wind import SteadyWind, steady_wind
 
 MODERATE = INTENSITIES["moderate"]
 

@@ -1,0 +1,28 @@
+"""The air of a scenario: what its [wind] table comes to, in motion and in words."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from aircraft.airframe import Wind
+from aircraft.turbulence import Turbulence
+from aircraft.wind import SteadyWind, Together
+from aircraft.wind_shear import ShearedWind
+from sim.tables import Runway, WindTable
+
+
+def air(table: WindTable, runway: Runway, noise: np.random.Generator | None = None) -> Wind:
+    """Everything that moves in one flight; without ``noise``, all of it but the turbulence."""
+    steady = SteadyWind(*table.steady)
+    mean = steady if table.profile is None else ShearedWind(steady, table.tower, table.profile)
+    turbulent = noise is not None and table.intensity > 0.0
+    course = runway.heading if table.speed == 0.0 else math.atan2(steady.east, steady.north)
+    if isinstance(mean, SteadyWind) and not table.events:  # added up in one place, for speed
+        return Turbulence(table.intensity, noise, steady, course) if noise is not None and turbulent else steady
+    parts: list[Any] = [mean, *table.events.values()]
+    if noise is not None and turbulent:
+        parts.append(Turbulence(table.intensity, noise, course=course))
+    return Together(tuple(parts))
