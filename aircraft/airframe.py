@@ -148,6 +148,12 @@ class Airframe:
 
         Within one call the wind sees the position and airspeed of its beginning.
         """
+        try:
+            self._fly(controls, substeps, wind)
+        except jsbsim.BaseError as error:
+            raise FlightError(f"the model gives up: {sentence([str(error)])}") from None
+
+    def _fly(self, controls: Controls, substeps: int, wind: Wind | None) -> None:
         self._has_flown = True
         self._command(controls)
         run = self._run

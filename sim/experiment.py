@@ -13,12 +13,14 @@ import numpy as np
 from sim import flight as flights
 from sim.checks import judge
 from sim.doctor import versions
+from sim.executors import TIME_LIMIT
 from sim.flight import Flight
 from sim.metrics import flight_metrics, summarise
 from sim.navigation import navigator
 from sim.observation import SensorRecord, observe
 from sim.output import claim, staged, write_json, write_npz
 from sim.preparation import Prepared, prepare
+from sim.quarantine import apart
 from sim.scenario import Scenario, read
 from sim.toml import dumps
 from sim.tracker_setup import build, check
@@ -51,6 +53,10 @@ def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
     """Fly one flight of a prepared scenario; ``flight`` addresses its turbulence."""
     if not isinstance(prepared, Prepared):
         prepared = prepare(prepared if isinstance(prepared, Scenario) else read(prepared))
+    return apart(prepared.scenario, TIME_LIMIT, _fly, prepared, flight)
+
+
+def _fly(prepared: Prepared, flight: int) -> Flight:
     return flights.fly(
         prepared.vehicle,
         prepared.autopilot,

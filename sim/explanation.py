@@ -10,7 +10,8 @@ from aircraft.modes import LEVEL_SOURCE, flying_qualities, modes
 from aircraft.trim import TrimError, trim
 from autopilot.analysis import frequency_and_damping
 from autopilot.modes.lateral_navigation import LateralNavigation
-from sim.preparation import Prepared, prepare
+from sim.preparation import TIME_LIMIT, Prepared, prepare
+from sim.quarantine import apart
 from sim.scenario import Scenario
 from sim.summary import table
 
@@ -20,7 +21,7 @@ def explain(scenario: Scenario) -> str:
     prepared = prepare(scenario)
     parts = [_head(prepared), _route(prepared)]
     if scenario.aircraft.model != "point_mass":
-        parts.append(_aircraft(prepared))
+        parts.append(apart(scenario, TIME_LIMIT, _aircraft, prepared))
     parts.append(_law(prepared))
     if scenario.sensors:
         rows = [("sensor", "measures", "every s")]

@@ -19,12 +19,14 @@ from autopilot.route import Leg, Route, pattern_route
 from sim import checks
 from sim.errors import ScenarioError
 from sim.outcomes import Limits
+from sim.quarantine import apart
 from sim.randomness import Streams
 from sim.scenario import Scenario
 from sim.tables import PatternTable
 from sim.vehicles import Configuration, Initial, JsbsimVehicle, PointMassVehicle, designed, designed_point_mass
 from sim.weather import air
 
+TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
 MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
 REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
 REFERENCE_ADDITION = 2.5  # m/s over the reference speed, at least
@@ -74,6 +76,10 @@ class Prepared:
 
 def prepare(scenario: Scenario) -> Prepared:
     """Route, law, aircraft and limits of a scenario; raises ``ScenarioError`` with one sentence for each fault."""
+    return apart(scenario, TIME_LIMIT, _prepared, scenario)
+
+
+def _prepared(scenario: Scenario) -> Prepared:
     faults = checks.refuse_unknown(scenario.checks, PHASES)
     if faults:
         raise ScenarioError("\n".join(f"{scenario.name}: {fault}" for fault in faults))
