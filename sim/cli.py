@@ -163,7 +163,7 @@ def claims(
 
     chosen = ledger.chosen(papers or ())
     if out is not None:
-        claim(out)
+        claim(out, "claims")
     seed = ledger.SEED if seed is None else seed
     rows = list(ledger.measured(chosen, seed, quick, _progress()))
     if out is not None:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import functools
 import json
+from pathlib import Path
 from typing import Any, NamedTuple
 
+from sim import flight_cache
 from sim.checks import judge
 from sim.errors import ScenarioError
+from sim.flight import Flight
 from sim.metrics import flight_metrics
 from sim.preparation import Prepared, prepare
 from sim.scenario import override, read
@@ -24,13 +27,14 @@ class Job(NamedTuple):
     values: dict[str, Any]  # of all axes
     tables: dict[str, Any]  # of the cell, with the gains designed for it
     drawn: dict[str, float]  # what the sample changes
+    cache: str | None = None  # folder of flights that cells share
 
 
 def fly(job: Job) -> dict[str, Any]:
     """The record of one flight; a flight that cannot begin is a record too."""
     try:
         prepared = _prepared(json.dumps(job.tables), json.dumps(job.drawn))
-        return _record(job, *_flown(prepared, job.flight))
+        return _record(job, *_judged(prepared, job.flight, _flight(prepared, job)))
     except ScenarioError as error:
         return lost(job, str(error))
 
@@ -64,13 +68,26 @@ def _prepared(tables: str, drawn: str) -> Prepared:
     return prepare(read(with_values(json.loads(tables), json.loads(drawn))))
 
 
-def _flown(prepared: Prepared, number: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+def _flight(prepared: Prepared, job: Job) -> Flight:
+    """The flight of a job, flown unless another cell of the study has flown it."""
     from sim import experiment
+
+    if job.cache is None or not flight_cache.shared(prepared):
+        return experiment.fly(prepared, job.flight)
+    place, name = Path(job.cache), flight_cache.key(prepared, job.flight)
+    flight = flight_cache.load(place, name, prepared)
+    if flight is None:
+        flight = experiment.fly(prepared, job.flight)
+        flight_cache.store(place, name, flight)
+    return flight
+
+
+def _judged(prepared: Prepared, number: int, flight: Flight) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Figures and checks of a flight that its trackers watch."""
     from sim.observation import observe
     from sim.trackers import track
 
     scenario = prepared.scenario
-    flight = experiment.fly(prepared, number)
     metrics = flight_metrics(flight, scenario.runway, prepared.law.bank_limit)
     if scenario.trackers:
         records = observe(flight, scenario.sensors, scenario.seed, number, scenario.draws)

@@ -18,7 +18,7 @@ from sim.flight import Flight
 from sim.metrics import flight_metrics, summarise
 from sim.navigation import navigator
 from sim.observation import SensorRecord, observe
-from sim.output import claim, staged, write_json, write_npz
+from sim.output import claim, refuse_foreign, staged, write_json, write_npz
 from sim.preparation import Prepared, prepare
 from sim.quarantine import apart
 from sim.scenario import Scenario, read
@@ -137,8 +137,9 @@ def run_to_folder(
     started = time.perf_counter()
     scenario = read(source, overrides)
     folder = out if out is not None else Path("out") / scenario.name
+    refuse_foreign(folder, "run")
     result = run(scenario, progress=progress)
-    claim(folder)
+    claim(folder, "run")
     with staged(folder) as place:
         report(result, place)
         result.timing["total_s"] = time.perf_counter() - started

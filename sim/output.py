@@ -16,19 +16,33 @@ import numpy as np
 from sim.errors import OutputError
 
 MARK = ".shortfinal"
+WRITTEN_BY = "written by shortfinal"
+KINDS = {"run": "a run", "study": "a study", "claims": "the claims"}
 
 
-def claim(folder: Path) -> None:
-    """Make ``folder`` ours: new, empty, or written by an earlier run; raises ``OutputError`` otherwise."""
+def claim(folder: Path, what: str) -> None:
+    """Make ``folder`` ours: new, empty, or written for the same of ``KINDS``; raises ``OutputError`` otherwise."""
+    refuse_foreign(folder, what)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / MARK).write_text(f"{WRITTEN_BY} {what}\n")
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written: {error.strerror}") from None
+
+
+def refuse_foreign(folder: Path, what: str) -> None:
+    """Raise ``OutputError`` for a folder that something else wrote, without touching it."""
     try:
         if folder.exists() and not folder.is_dir():
             raise OutputError(f"{folder}: is a file; name a folder with -o")
-        if folder.is_dir() and any(folder.iterdir()) and not (folder / MARK).is_file():
-            raise OutputError(f"{folder}: holds files that shortfinal did not write; choose another folder with -o")
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / MARK).write_text("written by shortfinal\n")
+        if folder.is_dir() and any(folder.iterdir()):
+            if not (folder / MARK).is_file():
+                raise OutputError(f"{folder}: holds files that shortfinal did not write; choose another folder with -o")
+            holds = (folder / MARK).read_text(errors="replace").removeprefix(WRITTEN_BY).strip()
+            if holds in KINDS and holds != what:
+                raise OutputError(f"{folder}: holds {KINDS[holds]}, not {KINDS[what]}; choose another folder with -o")
     except OSError as error:
-        raise OutputError(f"{folder}: cannot be written: {error.strerror}") from None
+        raise OutputError(f"{folder}: cannot be read: {error.strerror}") from None
 
 
 @contextlib.contextmanager

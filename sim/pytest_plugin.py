@@ -169,7 +169,7 @@ def keep(result: Any, folder: Path) -> Path:
 
     worker = os.environ.get("PYTEST_XDIST_WORKER")
     place = folder / (f"{result.scenario.name}-{worker}" if worker else result.scenario.name)
-    claim(place)
+    claim(place, "run")
     with staged(place) as whole:
         report(result, whole)
         write_json(whole / "timing.json", result.timing)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sim import ensemble
+from sim import ensemble, flight_cache
 from sim import study_folder as folders
 from sim.axes import Axis, Listed, cells, samples
 from sim.checks import SCALARS
@@ -232,8 +232,9 @@ def _fly_all(
     with folders.locked(folder):
         folders.mend_log(folder)
         records = {_key(record): record for record in folders.read_log(folder)}
+        cache = str(folders.flights_of(folder).resolve())
         waiting = [
-            Job(cell, sample, flight, {**planned.cells[cell], **planned.samples[sample]}, tables[cell], drawn)
+            Job(cell, sample, flight, {**planned.cells[cell], **planned.samples[sample]}, tables[cell], drawn, cache)
             for cell, sample, flight in planned.numbers()
             for drawn in (planned.samples[sample],)
             if (cell, sample, flight) not in records
@@ -252,7 +253,9 @@ def _fly_all(
                     records[_key(record)] = record
         finally:
             executor.close()
-        return _finish(planned, folder, records)
+        metrics = _finish(planned, folder, records)
+        flight_cache.prune(folders.flights_of(folder), folders.begun(folder))
+        return metrics
 
 
 def _key(record: dict[str, Any]) -> tuple[int, int, int]:

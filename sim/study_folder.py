@@ -13,9 +13,10 @@ from typing import Any
 
 from sim.doctor import versions
 from sim.errors import OutputError
-from sim.output import MARK, claim, plain
+from sim.output import claim, plain
 
 LOG, SCENARIO, IDENTITY = "flights.jsonl", "scenario.toml", "cache/identity.json"
+RESULTS = ("metrics.json", "report.html")
 
 
 def identity(text: str, seed: int) -> dict[str, Any]:
@@ -29,19 +30,29 @@ def open_study(folder: Path, text: str, seed: int, anew: bool = False) -> None:
     Raises ``OutputError`` with one sentence.
     """
     mine = identity(text, seed)
-    if (folder / IDENTITY).is_file():
-        theirs = _identity_of(folder)
-        if anew:
-            (folder / LOG).unlink(missing_ok=True)
-        elif theirs != mine:
-            raise OutputError(f"{folder}: holds {_difference(theirs, mine)}; choose another folder with -o, or --anew")
-    elif (folder / MARK).is_file() and (folder / "metrics.json").is_file():
-        raise OutputError(f"{folder}: holds a run, not a study; choose another folder with -o")
-    claim(folder)
+    begun = (folder / IDENTITY).is_file() and not anew
+    if begun and (theirs := _identity_of(folder)) != mine:
+        raise OutputError(f"{folder}: holds {_difference(theirs, mine)}; choose another folder with -o, or --anew")
+    claim(folder, "study")
     with _told(folder):
-        (folder / "cache").mkdir(exist_ok=True)
+        flights_of(folder).mkdir(parents=True, exist_ok=True)
+    with locked(folder), _told(folder):
+        if not begun:
+            for name in (LOG, *RESULTS):
+                (folder / name).unlink(missing_ok=True)
         replace(folder / SCENARIO, text)
-        replace(folder / IDENTITY, json.dumps(mine, sort_keys=True, indent=1) + "\n")
+        if not begun:
+            replace(folder / IDENTITY, json.dumps(mine, sort_keys=True, indent=1) + "\n")
+
+
+def flights_of(folder: Path) -> Path:
+    """Where flights are kept that cells share."""
+    return folder / "cache" / "flights"
+
+
+def begun(folder: Path) -> float:
+    """When the study of a folder was begun, by the clock of its file system."""
+    return (folder / IDENTITY).stat().st_mtime
 
 
 def check_study(folder: Path, seed: int, anyway: bool = False) -> None:
