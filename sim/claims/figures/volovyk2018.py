@@ -1,0 +1,99 @@
+"""Figures 1, 2, 4 and 5 of Volovyk 2018, from our own runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from sim.claims.angle import DEGREE, SIGMA, record
+from sim.claims.flown import flown
+from sim.claims.plots import Curve, Plot
+from sim.claims.runs.volovyk2018 import (
+    BAND,
+    JSBSIM,
+    LEG,
+    PUBLISHED,
+    SAMPLE,
+    START,
+    STEPS,
+    followed,
+    level_leg,
+    on_the_model,
+)
+from sim.randomness import stream
+from sim.truths.mls_profile import MlsProfile
+from tracking.trackers.elevation import PERIOD, elevation_of
+
+
+def plots(seed: int) -> Iterator[Plot]:
+    """Figures 1, 2, 4 and 5."""
+    state = MlsProfile().fly().state
+    distance = -state.north
+    flight = flown(JSBSIM)
+    _, away = flight.elevation(flight.flight.time)
+    ahead = away > 0.0
+    yield Plot(
+        "fig. 1",
+        "Idealised landing profile",
+        "Level deceleration, glide path, flare; the An-26 is slower and begins nearer.",
+        "distance to the beacon, km",
+        "height, m",
+        (
+            Curve("as printed", distance / 1000.0, state.height),
+            Curve("flown on JSBSim", away[ahead] / 1000.0, flight.state.height[ahead], "dashed"),
+        ),
+    )
+    motion = elevation_of(distance, state.height, -state.velocity_north, state.velocity_up)
+    near = distance > 300.0
+    angle, rate = np.degrees(motion.angle), np.degrees(motion.rate)
+    quantities = (
+        ("elevation", angle, "deg"),
+        ("rate", rate, "deg/s"),
+        ("acceleration", np.gradient(rate, state.time), "deg/s^2"),
+    )
+    curves = []
+    for name, values, unit in quantities:
+        largest = float(np.abs(values[near]).max())
+        curves.append(Curve(f"{name}, largest {largest:.3g} {unit}", state.time[near], values[near] / largest))
+    yield Plot(
+        "fig. 2",
+        "Elevation and its derivatives over the profile",
+        "Each divided by its largest value.",
+        "time, s",
+        "share of the largest",
+        tuple(curves),
+    )
+    errors, believed = on_the_model(seed, SAMPLE)
+    time = PERIOD * np.arange(1, STEPS + 1)
+    yield Plot(
+        "fig. 4",
+        "Theoretical and Monte-Carlo variance",
+        "One sample of 50 runs; the band is 20 % on the deviation.",
+        "time, s",
+        "variance, deg^2",
+        (
+            Curve("50 runs", time, (errors**2).mean(axis=1)),
+            Curve("theory", time, believed),
+            Curve("20 % below", time, believed * (1.0 - BAND) ** 2, "dashed"),
+            Curve("20 % above", time, believed * (1.0 + BAND) ** 2, "dashed"),
+        ),
+        logarithmic=True,
+    )
+    truth = level_leg().angle
+    noise = stream(seed, 0, 0, "volovyk2018.figure").standard_normal((LEG, 1, 1))
+    measurements = record(truth[:, None, None] + SIGMA * noise)
+    found = followed(PUBLISHED, truth[:, None], measurements, START).errors
+    time = measurements.time
+    yield Plot(
+        "fig. 5",
+        "Measured and filtered elevation",
+        "One realisation on the level leg.",
+        "time, s",
+        "elevation, deg",
+        (
+            Curve("measured", time, measurements.z[:, 0, 0] / DEGREE, "dots"),
+            Curve("filtered", time, truth / DEGREE + found[:, 0]),
+            Curve("truth", time, truth / DEGREE, "dashed"),
+        ),
+    )
