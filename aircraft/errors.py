@@ -8,8 +8,15 @@ from typing import Any
 from aircraft.state import AircraftState
 
 
+LONGEST_MESSAGE = 600  # characters
+
+
 class ModelError(ValueError):
-    """A model that does not exist, is broken, or may not be loaded; the message is one sentence."""
+    """A model that does not exist, is broken, or may not be loaded; the message is one sentence, and can be printed."""
+
+    def __init__(self, message: str) -> None:
+        shown = "".join(c if c.isprintable() else repr(c)[1:-1] for c in message[:LONGEST_MESSAGE])
+        super().__init__(shown + ("..." if len(message) > LONGEST_MESSAGE else ""))
 
 
 class TrimError(ValueError):

@@ -53,14 +53,17 @@ def apply_centre_of_gravity(model: Model, position: float) -> None:
 
 def total_mass(model: Model) -> float:
     """Mass with fuel and fixed loads, kg."""
-    return quantity(_empty_weight(model), KILOGRAM, "LBS") + sum(mass for mass, _, _ in _others(model))
+    mass = quantity(_empty_weight(model), KILOGRAM, "LBS") + sum(mass for mass, _, _ in _others(model))
+    if not mass > 0.0:
+        raise ModelError(f"the mass of '{model.name}' with fuel and loads must be above 0, not {mass:g} kg")
+    return mass
 
 
 def centre_of_gravity(model: Model) -> tuple[float, float]:
     """(m aft, m up) in the structural frame, with fuel and fixed loads."""
     aft, _, up = place(_empty_location(model))
     parts = [(quantity(_empty_weight(model), KILOGRAM, "LBS"), aft, up), *_others(model)]
-    total = sum(mass for mass, _, _ in parts)
+    total = total_mass(model)
     return sum(mass * x for mass, x, _ in parts) / total, sum(mass * z for mass, _, z in parts) / total
 
 
