@@ -21,8 +21,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = """
 name = "soak"
-until_s = 180
+until_s = 120
 flights = 8
+draws = 5
 [wind]
 turbulence = "moderate"
 [route]
@@ -35,8 +36,13 @@ height_m = 600
 [start]
 leg = 0
 cross_track_m = 1000
+[sensors.radar]
+kind = "surveillance_radar"
+[trackers.plain]
+kind = "kalman"
 [study.axes]
-"wind.speed_mps" = [0, 3, 6, 9, 12]
+"sensors.radar.position_sigma_m" = [50, 100]
+"wind.speed_mps" = [0, 6, 12]
 """
 COMPARED = ("metrics.json", "flights.jsonl", "scenario.toml", "report.html")
 EVERY = 5.0  # s between two kills of a worker
