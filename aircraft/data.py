@@ -15,7 +15,7 @@ from aircraft.model_files import Model, folder, is_file, read
 from aircraft.safe_xml import confined
 from aircraft.units import spellings
 
-LARGEST_TABLE = 1 << 20  # bytes; the data of an aircraft are a page of text
+LARGEST_TABLE = 1_000_000  # bytes; the data of an aircraft are a page of text
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,10 @@ def describe(source: Model, model: str | Path) -> AircraftData:
         factors = tuple(table.pop("factors", []))
         ready = from_model | {"flap_settings": settings, "factors": factors, "sources": sources}
         return _build(AircraftData, table, path, **ready)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, TypeError, AttributeError, RecursionError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise ModelError(f"'{path.name}' cannot be read: {error}") from None
+    except (TypeError, AttributeError):
+        raise ModelError(f"'{path.name}' has a value where a table or a list belongs, or the other way round") from None
 
 
 def _build(kind: type, table: dict[str, Any], path: Path, **ready: Any) -> Any:

@@ -17,6 +17,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from sim.errors import ScenarioError
@@ -57,12 +58,14 @@ class _Child:
     """A process that does one thing after another, and the two pipes to it."""
 
     def __init__(self) -> None:
+        self.folder = TemporaryDirectory(prefix="shortfinal-")  # what a child that aborts leaves behind, it leaves here
+        temporary = dict.fromkeys(("TMPDIR", "TEMP", "TMP"), self.folder.name)
         self.process = subprocess.Popen(
             [sys.executable, "-P", "-c", START.format(path=sys.path)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,  # what a C++ library says when it aborts
-            env={**os.environ, **dict.fromkeys(THREADS, "1"), MARK: "1"},
+            env={**os.environ, **dict.fromkeys(THREADS, "1"), **temporary, MARK: "1"},
         )
 
     def ask(self, work: bytes, time_limit: float) -> tuple[bool, Any]:
@@ -95,6 +98,7 @@ class _Child:
         for pipe in (self.process.stdin, self.process.stdout):
             with contextlib.suppress(OSError):
                 pipe.close()  # type: ignore[union-attr]
+        self.folder.cleanup()
         with contextlib.suppress(ValueError):
             return signal.Signals(-code).name
         return f"exit code {code}"
@@ -106,7 +110,7 @@ _waiting: list[_Child] = []  # the child between two calls; a process is state, 
 def _asked(work: bytes, time_limit: float) -> tuple[bool, Any]:
     while True:
         is_fresh = not _waiting
-        child = _Child() if is_fresh else _waiting.pop()
+        child = _started() if is_fresh else _waiting.pop()
         try:
             answer = child.ask(work, time_limit)
         except _Gone as gone:
@@ -115,6 +119,13 @@ def _asked(work: bytes, time_limit: float) -> tuple[bool, Any]:
             continue  # it may have died of what it did before
         _waiting.append(child)
         return answer
+
+
+def _started() -> _Child:
+    try:
+        return _Child()
+    except OSError as error:
+        raise _Gone(f"needs a process of its own, which cannot be started: {error.strerror}", False) from None
 
 
 @atexit.register

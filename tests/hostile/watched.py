@@ -1,0 +1,111 @@
+"""Commands run under watch: what they answer, and what they did outside the folder that they were told to write."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+HERE = Path(__file__).resolve().parent
+WATCH = HERE / "watch"
+ROOT = HERE.parents[1]
+OWN_PROCESSES = re.compile(  # the others are asked by Python's platform module and by matplotlib, which seeks fonts
+    r"from sim\.quarantine import serve|^uname -p$|^fc-list "
+)
+
+
+class Answer(NamedTuple):
+    """How a command ended."""
+
+    code: int
+    out: str
+    err: str
+    trace: str
+
+    @property
+    def is_one_sentence(self) -> bool:
+        """Bad input, said in one line."""
+        return self.code == 2 and not self.trace and len(self.err.strip().splitlines()) == 1
+
+
+class Case(NamedTuple):
+    """A command and where it is called."""
+
+    name: str
+    arguments: Sequence[object]
+
+
+class Sandbox(NamedTuple):
+    """A world of its own for watched commands: home, temporary files, the working folder, and what attackers aim at."""
+
+    root: Path
+
+    def place(self, name: str) -> Path:
+        """One of its folders."""
+        path = self.root / name
+        path.mkdir(parents=True, exist_ok=True)
+        return path
+
+    def files(self) -> dict[str, tuple[int, int]]:
+        """Size and time of change of all that a command must leave alone."""
+        return {
+            str(path.relative_to(self.root)): (path.lstat().st_size, path.lstat().st_mtime_ns)
+            for name in ("home", "cwd", "target", "models", "scenarios")
+            for path in sorted(self.place(name).rglob("*"))
+            if not path.is_relative_to(self.place("cwd") / "out")
+        }
+
+    def environment(self) -> dict[str, str]:
+        """Variables of a watched process."""
+        kept = {name: value for name, value in os.environ.items() if not name.startswith(("XDG", "MPL", "PYTEST"))}
+        return kept | {
+            "HOME": str(self.place("home")),
+            "TMPDIR": str(self.place("tmp")),
+            "PYTHONPATH": os.pathsep.join((str(WATCH), str(ROOT))),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "OPENBLAS_NUM_THREADS": "1",
+            "NO_COLOR": "1",
+            "COLUMNS": "500",
+            "WATCH_LOG": str(self.root / "watch.log"),
+            "WATCH_SOCKETS": "barred",
+        }
+
+    def answers(self, cases: Sequence[Case], time_limit: float = 600.0) -> dict[str, Answer]:
+        """What each command answers; all run in one process, which must outlive them."""
+        asked, told = self.root / "asked.json", self.root / "told.jsonl"
+        folder = str(self.place("cwd"))
+        asked.write_text(json.dumps([(case.name, [*map(str, case.arguments)], folder) for case in cases]))
+        done = subprocess.run(
+            [sys.executable, str(WATCH / "batch.py"), str(asked), str(told)],
+            env=self.environment(),
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=time_limit,
+            check=False,
+        )
+        found = dict(json.loads(line) for line in told.read_text().splitlines()) if told.is_file() else {}
+        last = list(found)[-1] if found else "none"
+        assert done.returncode == 0, f"the process died after '{last}': {done.returncode} {done.stderr[-2000:]}"
+        assert not done.stdout, "something printed past the command"
+        return {name: Answer(**answer) for name, answer in found.items()}
+
+    def acts(self) -> list[list[str]]:
+        """All that was noted: [event, path or text, ...]."""
+        log = self.root / "watch.log"
+        return [json.loads(line) for line in log.read_text().splitlines()] if log.is_file() else []
+
+    def offences(self) -> list[str]:
+        """Acts outside ``out`` and the temporary folder, sockets, and processes that are not the program's own."""
+        allowed = (str(self.place("cwd") / "out"), str(self.place("tmp")), os.devnull, str(self.root / "told.jsonl"))
+        return [
+            " ".join(act)
+            for act in self.acts()
+            if not (act[0] == "subprocess.Popen" and OWN_PROCESSES.search(act[1]))
+            and not all(path.startswith(allowed) for path in act[1:])
+        ]
