@@ -209,7 +209,8 @@ def _refuse_too_much(planned: Study, folder: Path, workers: int) -> None:
     free, needed = shutil.disk_usage(place).free, planned.flights * RECORD_SIZE
     if needed > free:
         raise OutputError(
-            f"{folder}: {planned.flights} flights need up to {needed >> 20} MB of disk, and {free >> 20} MB are free"
+            f"{folder}: {planned.flights} flights need up to {needed / 1e6:.3g} MB of disk, "
+            f"and {free / 1e6:.3g} MB are free"
         )
 
 

@@ -30,3 +30,24 @@ def made(time, phase, route=None, **signals):
 @pytest.fixture
 def make_flight():
     return made
+
+
+class Inline:
+    """The three calls of an executor in this process."""
+
+    def __init__(self):
+        self.jobs = []
+
+    def submit(self, number, function, *arguments):
+        self.jobs.append((number, function, arguments))
+
+    def finished(self):
+        return ((number, function(*arguments)) for number, function, arguments in self.jobs)
+
+    def close(self):
+        self.jobs.clear()
+
+
+@pytest.fixture
+def inline():
+    return Inline

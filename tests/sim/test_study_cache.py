@@ -27,22 +27,6 @@ TABLES = {
 RADAR = {"sensors.radar.position_sigma_m": [50.0, 100.0, 200.0]}
 
 
-class Inline:
-    """The three calls in this process."""
-
-    def __init__(self):
-        self.jobs = []
-
-    def submit(self, number, function, *arguments):
-        self.jobs.append((number, function, arguments))
-
-    def finished(self):
-        return ((number, function(*arguments)) for number, function, arguments in self.jobs)
-
-    def close(self):
-        self.jobs.clear()
-
-
 @pytest.fixture
 def flown(monkeypatch):
     """Numbers of the flights that were really flown."""
@@ -51,8 +35,12 @@ def flown(monkeypatch):
     return numbers
 
 
-def study(folder, axes, anew=False, **more):
-    return studies.study({**TABLES, **more, "study": {"axes": axes}}, folder, Inline(), anew=anew)
+@pytest.fixture
+def study(inline):
+    def call(folder, axes, anew=False, **more):
+        return studies.study({**TABLES, **more, "study": {"axes": axes}}, folder, inline(), anew=anew)
+
+    return call
 
 
 def log(folder):
@@ -63,7 +51,7 @@ def kept(folder):
     return sorted((folder / "cache/flights").iterdir())
 
 
-def test_cells_that_differ_in_sensors_share_their_flights_and_no_figure_knows(flown, tmp_path, monkeypatch):
+def test_cells_that_differ_in_sensors_share_their_flights_and_no_figure_knows(study, flown, tmp_path, monkeypatch):
     study(tmp_path / "shared", RADAR)
     assert flown == [0, 1]
     monkeypatch.setattr(flight_cache, "shared", lambda prepared: False)
@@ -73,7 +61,7 @@ def test_cells_that_differ_in_sensors_share_their_flights_and_no_figure_knows(fl
         assert (tmp_path / "shared" / name).read_bytes() == (tmp_path / "alone" / name).read_bytes()
 
 
-def test_a_second_study_of_other_trackers_flies_nothing(flown, tmp_path):
+def test_a_second_study_of_other_trackers_flies_nothing(study, flown, tmp_path):
     study(tmp_path, RADAR)
     other = {"trackers": {"second": {"kind": "linear_feedback"}}, "draws": 5}
     metrics = study(tmp_path, RADAR, anew=True, **other)
@@ -82,7 +70,7 @@ def test_a_second_study_of_other_trackers_flies_nothing(flown, tmp_path):
     assert len(kept(tmp_path)) == 2
 
 
-def test_what_no_flight_asks_for_any_more_is_dropped(flown, tmp_path):
+def test_what_no_flight_asks_for_any_more_is_dropped(study, flown, tmp_path):
     study(tmp_path, RADAR)
     before = kept(tmp_path)
     study(tmp_path, RADAR, anew=True, until_s=4.0)
@@ -116,24 +104,24 @@ def replace(path):
 
 
 @pytest.mark.parametrize("damage", [cut, flip, empty, swap, replace])
-def test_a_damaged_flight_costs_one_flight_and_no_figure(flown, tmp_path, damage):
+def test_a_damaged_flight_costs_one_flight_and_no_figure(study, flown, inline, tmp_path, damage):
     study(tmp_path, RADAR)
     whole = log(tmp_path)
     (tmp_path / "flights.jsonl").unlink()
     damage(kept(tmp_path)[0])
-    studies.resume(tmp_path, Inline())
+    studies.resume(tmp_path, inline())
     assert len(flown) == 2 + (1 if damage is not replace else 3)  # a folder in its place is nobody's to take away
     assert log(tmp_path) == whole
 
 
-def test_no_room_costs_time_only(flown, tmp_path, monkeypatch):
+def test_no_room_costs_time_only(study, flown, tmp_path, monkeypatch):
     monkeypatch.setattr(flight_cache, "LARGEST_CACHE", 1000)
     study(tmp_path, RADAR)
     assert flown == [0, 1] * 3
     assert not kept(tmp_path)
 
 
-def test_without_trackers_or_with_one_at_the_controls_nothing_is_kept(tmp_path):
+def test_without_trackers_or_with_one_at_the_controls_nothing_is_kept(study, tmp_path):
     study(tmp_path / "o", {"wind.speed_mps": [1.0]}, trackers={}, sensors={}, until_s=1.0)
     assert not kept(tmp_path / "o")
     flies = {"kind": "lateral_navigation", "navigation": "plain"}

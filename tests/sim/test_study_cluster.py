@@ -128,29 +128,13 @@ def assert_same(folder, whole):
         assert (folder / name).read_bytes() == (whole / name).read_bytes(), name
 
 
-class Inline:
-    """The three calls in this process: the bytes that every other way must reach."""
-
-    def __init__(self):
-        self.jobs = []
-
-    def submit(self, number, function, *arguments):
-        self.jobs.append((number, function, arguments))
-
-    def finished(self):
-        return ((number, function(*arguments)) for number, function, arguments in self.jobs)
-
-    def close(self):
-        self.jobs.clear()
-
-
-def test_a_cluster_writes_the_bytes_of_one_process_whatever_is_killed(tmp_path):
+def test_a_cluster_writes_the_bytes_of_one_process_whatever_is_killed(tmp_path, inline):
     """A killed worker costs time only; a killed scheduler is one sentence, and the study is resumed without it."""
     file = tmp_path / "cluster.toml"
     file.write_text(TABLES)
     with processes() as start:
         cluster = begin_cluster(start, tmp_path)
-        studies.study(file, tmp_path / "whole", Inline())
+        studies.study(file, tmp_path / "whole", inline())
         wait_for_workers(cluster.address, 2)
 
         def fly_until(folder, process):
@@ -171,7 +155,7 @@ def test_a_cluster_writes_the_bytes_of_one_process_whatever_is_killed(tmp_path):
         code, told = fly_until(tmp_path / "two", cluster.scheduler)
         assert (code, told) == (2, f"shortfinal: cluster {cluster.address}: has gone; finished flights are kept\n")
         assert flown(tmp_path / "two") < FLIGHTS
-    studies.resume(tmp_path / "two", Inline())
+    studies.resume(tmp_path / "two", inline())
     assert_same(tmp_path / "two", tmp_path / "whole")
 
 
