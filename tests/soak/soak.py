@@ -21,8 +21,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = """
 name = "soak"
-until_s = 120
-flights = 8
+until_s = 60
+flights = 5
 draws = 5
 [wind]
 turbulence = "moderate"
