@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,18 @@ from aircraft.wind import SteadyWind
 
 BLOCK = 12  # steps between two looks at height and airspeed: 0.1 s, 6 m of flight
 ROOT_THREE = math.sqrt(3.0)
+
+
+def along_spectrum(frequency: Any, airspeed: float, sigma: float, length: float) -> Any:
+    """Density of the gust along the mean wind over circular frequency >= 0, (m/s)2/(rad/s) [MIL-F-8785C, 3.7.2.2]."""
+    x = length * frequency / airspeed
+    return 2.0 * sigma * sigma * length / (np.pi * airspeed) / (1.0 + x * x)
+
+
+def across_spectrum(frequency: Any, airspeed: float, sigma: float, length: float) -> Any:
+    """Density of the gusts across the mean wind and upwards, (m/s)2/(rad/s) [MIL-F-8785C, 3.7.2.2]."""
+    x = length * frequency / airspeed
+    return sigma * sigma * length / (np.pi * airspeed) * (1.0 + 3.0 * x * x) / (1.0 + x * x) ** 2
 
 
 class Turbulence:

@@ -14,6 +14,7 @@ from sim.preparation import TIME_LIMIT, Prepared, prepare
 from sim.quarantine import apart
 from sim.scenario import Scenario
 from sim.summary import table
+from sim.weather import words
 
 
 def explain(scenario: Scenario) -> str:
@@ -38,11 +39,7 @@ def explain(scenario: Scenario) -> str:
 def _head(prepared: Prepared) -> str:
     s = prepared.scenario
     mass = f", {s.aircraft.mass:.0f} kg" if s.aircraft.mass else ""
-    wind = s.wind
-    air = f"wind from {math.degrees(wind.from_):.0f} deg, {wind.speed:.1f} m/s" if wind.speed else "no steady wind"
-    if wind.intensity:
-        air += f"; Dryden turbulence, {wind.intensity:.1f} m/s at 20 ft"
-    return f"{s.name}: {s.aircraft.model}{mass}; {air}; seed {s.seed}"
+    return f"{s.name}: {s.aircraft.model}{mass}; {'; '.join(words(s.wind))}; seed {s.seed}"
 
 
 def _route(prepared: Prepared) -> str:

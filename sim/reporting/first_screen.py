@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from aircraft.data import data
+from sim import weather
 from sim.flight import Flight
 from sim.reporting.followed import Followed
 from sim.reporting.quantities import decimals, number, split, words
@@ -50,18 +51,12 @@ def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any], followe
 
 def _subtitle(scenario: Any, metrics: dict[str, Any]) -> list[str]:
     """What was flown: aircraft, law, air, seed."""
-    aircraft, wind = scenario.aircraft, scenario.wind
+    aircraft = scenario.aircraft
     parts = ["point mass" if aircraft.model == "point_mass" else data(aircraft.model).title]
     if aircraft.mass is not None:
         parts.append(f"{aircraft.mass / 1000:.1f} t")
     parts.append(f"law {words(scenario.mode)}, bank limit {np.degrees(scenario.autopilot.bank_limit):.0f} deg")
-    if wind.speed > 0:
-        parts.append(f"wind from {np.degrees(wind.from_) % 360:03.0f} deg at {wind.speed:.1f} m/s")
-    else:
-        parts.append("no steady wind")
-    if wind.intensity > 0:
-        level = "" if wind.turbulence == "none" else f"{wind.turbulence} "
-        parts.append(f"{level}turbulence, {wind.intensity:.1f} m/s at 20 ft")
+    parts += weather.words(scenario.wind)
     parts.append(f"seed {metrics.get('seed', scenario.seed)}")
     if metrics.get("flights", 1) > 1:
         parts.append(f"first of {metrics['flights']} flights")

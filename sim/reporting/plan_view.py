@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -20,10 +21,12 @@ KM = 1e-3
 ARROWS = 62.0  # points between the north arrow and the wind arrow
 
 
-def plan_view(flight: Flight, runway: Runway, wind: tuple[float, float]) -> Any:
+def plan_view(
+    flight: Flight, runway: Runway, wind: tuple[float, float], events: Mapping[str, Any] | None = None
+) -> Any:
     """Figure with equal axes, in km from the threshold along and to the right of the final course.
 
-    ``wind`` is the steady one, the way the air moves, m/s (north, east).
+    ``wind`` is the steady one, the way the air moves, m/s (north, east); ``events`` are drawn where they have a place.
     """
     course = flight.route.legs[-1].course
     c, s = math.cos(course), math.sin(course)
@@ -55,6 +58,8 @@ def plan_view(flight: Flight, runway: Runway, wind: tuple[float, float]) -> Any:
     )
     if shown:
         axes.plot(runway_x, runway_y, color=style.BLACK, linewidth=4, solid_capstyle="butt", alpha=0.75, label="runway")
+    for name, event in (events or {}).items():
+        _circle(axes, name, event, lambda past, right: turned(*runway.to_local(past, right)))
     by_phase(axes, flight, x, y)
     switched = np.flatnonzero(np.diff(flight.leg)) + 1
     if switched.size:
@@ -75,6 +80,17 @@ def plan_view(flight: Flight, runway: Runway, wind: tuple[float, float]) -> Any:
     axes.set_xlabel("along the final course, km past the threshold")
     axes.set_ylabel("right of the threshold, km")
     return figure
+
+
+def _circle(axes: Any, name: str, event: Any, place: Callable[[float, float], tuple[float, float]]) -> None:
+    """The greatest outflow of a microburst, or the edge of a gust, named; nothing for a gust that has no place."""
+    if event.past_threshold is None:
+        return
+    across, up = place(event.past_threshold, event.right)
+    radius = KM * (event.radius if hasattr(event, "radius") else event.length / 2)
+    turn = np.linspace(0.0, 2.0 * np.pi, 73)
+    axes.fill(across + radius * np.cos(turn), up + radius * np.sin(turn), color=style.SKY, alpha=0.25, linewidth=0)
+    axes.annotate(name, (across, up - radius), ha="center", va="bottom", fontsize=6.5, color=style.BLUE, clip_on=True)
 
 
 def extent(xs: tuple[Any, ...], ys: tuple[Any, ...]) -> tuple[float, float, float, float]:

@@ -27,6 +27,7 @@ from sim.reporting.style import Chart
 from sim.reporting.tracker_charts import tracker_charts
 from sim.reporting.tracker_tables import tracker_tables
 from sim.reporting.vertical_profile import touchdown_view, vertical_profile
+from sim.reporting.weather_charts import weather_charts
 from sim.toml import dumps
 
 
@@ -116,7 +117,7 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
     with style.drawing(), np.errstate(invalid="ignore"):
         add(
             "Plan view",
-            plan_view(flight, scenario.runway, scenario.wind.steady),
+            plan_view(flight, scenario.runway, scenario.wind.steady, scenario.wind.events),
             "Equal scales; turned so that the final course runs to the right, north as the arrow shows. The runway's "
             "length is drawn, not modelled.",
         )
@@ -158,6 +159,8 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
             error_history(flight, scenario.runway),
             "Cross-track from the leg then active; height from the height of the leg, on the glide path from the path.",
         )
+        for title, figure, caption in weather_charts(flight, scenario):
+            add(title, figure, caption)
         last = final_errors(flight, scenario.runway)
         if last is not None:
             add(
