@@ -12,6 +12,7 @@ import numpy as np
 
 from sim import flight as flights
 from sim.checks import judge
+from sim.departures import noted
 from sim.doctor import versions
 from sim.executors import TIME_LIMIT
 from sim.flight import Flight
@@ -56,16 +57,17 @@ def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
     return apart(prepared.scenario, TIME_LIMIT, _fly, prepared, flight)
 
 
-def _fly(prepared: Prepared, flight: int) -> Flight:
-    return flights.fly(
+def _fly(prepared: Prepared, number: int) -> Flight:
+    flight = flights.fly(
         prepared.vehicle,
-        prepared.autopilot,
+        prepared.pilot,
         prepared.initial,
-        prepared.wind(flight),
+        prepared.wind(number),
         prepared.limits,
         prepared.phases,
-        navigator(prepared, flight),
+        navigator(prepared, number),
     )
+    return noted(flight, prepared.scenario.departures)
 
 
 def run(

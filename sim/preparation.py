@@ -12,11 +12,12 @@ from aircraft.airframe import Wind
 from aircraft.data import AircraftData, data
 from aircraft.errors import FlightError, ModelError, TrimError
 from autopilot.approach import PHASES, Approach, Landing
+from autopilot.departure import Departing
 from autopilot.design import RATE_MARGIN, Designed
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, Route, pattern_route
-from sim import checks
+from sim import checks, departures
 from sim.errors import ScenarioError
 from sim.outcomes import Limits
 from sim.quarantine import apart
@@ -44,6 +45,17 @@ class Prepared:
     limits: Limits
     designed: Designed
     warnings: tuple[str, ...]
+
+    @property
+    def pilot(self) -> Approach | Departing:
+        """What flies: the autopilot, and from stated times on what it is left for."""
+        beacon, route = (self.law, self.other_law) if isinstance(self.law, RadioBeacon) else (self.other_law, self.law)
+        return departures.pilot(self.autopilot, beacon, route, self.scenario.departures)
+
+    @property
+    def departure(self) -> float | None:
+        """When the law that trackers are told is first left, s; None = never."""
+        return min((one.at for one in self.scenario.departures), default=None)
 
     @property
     def route(self) -> Route:
@@ -114,10 +126,13 @@ def _prepared(scenario: Scenario) -> Prepared:
         vehicle = _vehicle(scenario, gains)
         place = "[aircraft]"
         vehicle.read(vehicle.begin(initial, air(scenario.wind, scenario.runway)))  # it trims, or says why not
+        place = "[[departures]]"
+        limits = Limits(scenario.until, scenario.runway)
+        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, _warnings(scenario, aircraft))
+        _ = prepared.pilot  # it can be left like that, or says why not
     except (ModelError, TrimError, FlightError, ValueError) as error:
         raise ScenarioError(f"{scenario.name}: {place} {error}") from None
-    limits = Limits(scenario.until, scenario.runway)
-    return Prepared(scenario, autopilot, vehicle, initial, limits, gains, _warnings(scenario, aircraft))
+    return prepared
 
 
 def _data(scenario: Scenario) -> AircraftData:

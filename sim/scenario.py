@@ -19,6 +19,7 @@ from sim.tables import (
     AircraftChoice,
     AutopilotTable,
     Check,
+    Departure,
     LegsTable,
     PatternTable,
     Runway,
@@ -66,6 +67,7 @@ class Scenario:
     wind: WindTable
     sensors: dict[str, Any]
     trackers: dict[str, TrackerChoice]
+    departures: tuple[Departure, ...]
     checks: tuple[Check, ...]
     study: StudyTable | None
     tables: dict[str, Any] = field(repr=False)  # the resolved file
@@ -194,6 +196,7 @@ def _file_model(parts: dict[str, Any]) -> type[BaseModel]:
         aircraft=(model_of(AircraftChoice), None),
         start=(model_of(Start), None),
         designed=(dict[str, Any] | None, None),
+        departures=(list[model_of(Departure)], []),  # type: ignore[misc]
         checks=(list[model_of(Check)], []),  # type: ignore[misc]
         study=(model_of(StudyTable) | None, None),
         **parts,
@@ -316,10 +319,13 @@ def _build(origin: str, tables: dict[str, Any]) -> Scenario:
         "wind": _construct(faults, "[wind]", WindTable, wind_table, events=events),
         "sensors": sensors,
         "trackers": trackers,
-        "checks": tuple(
-            _construct(faults, f"[[checks]] entry {i}", Check, entry)
-            for i, entry in enumerate(tables.get("checks", []))
-        ),
+        **{
+            several: tuple(
+                _construct(faults, f"[[{several}]] entry {i}", cls, entry)
+                for i, entry in enumerate(tables.get(several, []))
+            )
+            for several, cls in (("departures", Departure), ("checks", Check))
+        },
         "study": table("study", StudyTable) if tables.get("study") is not None else None,
     }
     navigation = tables.get("autopilot", {}).get("navigation", "truth")
@@ -388,6 +394,8 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
         name: {**tables["trackers"][name], "sensors": list(choice.sensors)}
         for name, choice in built["trackers"].items()
     }
+    if tables.get("departures"):
+        out["departures"] = list(tables["departures"])
     out["checks"] = list(tables.get("checks", []))
     out["study"] = tables.get("study")
     return out

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from sim.conformance import told_in_words
+
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
 
 
@@ -25,6 +27,9 @@ def summary(metrics: dict[str, Any]) -> str:
     if rows:
         header = ("tracker", "channel", "rmse", "raw", "gain")
         lines += ["", *table([header, *([*row[:2], *map(_number, row[2:])] for row in rows)], 2)]
+    alerts = {name: tracker.get("conformance") for name, tracker in metrics["trackers"].items()}
+    if any(alerts.values()):
+        lines += ["", *(told_in_words(name, found) for name, found in alerts.items() if found)]
     if metrics["checks"]:
         header = ("check", "value", "limit", "margin", "")
         shown = [

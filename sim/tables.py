@@ -234,6 +234,29 @@ class Check:
 
 
 @dataclass(frozen=True)
+class Departure:
+    """From a time on the bank follows something else than the law of the autopilot, and no tracker is told.
+
+    ``flies``: the "beacon" law or the "route" law (again), a "bank" that is held by hand, or the law of the autopilot
+    about a line beside the leg ("offset").
+    """
+
+    at: Annotated[float, "s"]
+    flies: Literal["beacon", "route", "bank", "offset"]
+    bank: Annotated[float | None, "rad"] = None  # + right
+    offset: Annotated[float | None, "m"] = None  # + right of the leg
+
+    def __post_init__(self) -> None:
+        if not self.at >= 0.0:
+            raise ValueError("at must not be negative")
+        for name in ("bank", "offset"):
+            if (getattr(self, name) is not None) != (self.flies == name):
+                raise ValueError(f'{name} belongs to flies = "{name}", and to nothing else')
+        if self.bank is not None and not abs(self.bank) <= math.radians(60):
+            raise ValueError("bank must be at most 60 degrees to either side")
+
+
+@dataclass(frozen=True)
 class StudyCheck:
     """What a share of all flights of a study must keep, with a confidence that the number of flights gives."""
 

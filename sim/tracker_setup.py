@@ -42,6 +42,8 @@ def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, st
     law_from = None
     if "law" in wanted:
         supplied["law"], law_from = _told(prepared.law, name, choice)
+    if "other_law" in wanted:
+        supplied["other_law"] = prepared.other_law
     if "route" in wanted:
         supplied["route"] = prepared.route
     if "measurement" in wanted:

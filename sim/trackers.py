@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim import components
+from sim import components, conformance
+from sim.conformance import CONFORMANCE
 from sim.errors import ScenarioError
 from sim.flight import Flight
 from sim.judgement import judge
@@ -69,7 +70,7 @@ def track(
         tracker, law_from = (
             (adopt(prepared, own[name], sensors), None) if choice is None else build(prepared, name, choice)
         )
-        figures[name] = {"kind": kind, "law_from": law_from, "overall": {}, "by_phase": {}}
+        figures[name] = {"kind": kind, "law_from": law_from, "overall": {}, "by_phase": {}, "conformance": None}
         start = begins(prepared, name, sensors, record, flight)
         if start is None:
             continue  # never in sight: n/a, not an error
@@ -81,6 +82,8 @@ def track(
         figures[name]["look_ahead"] = ahead.figures()
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
             figures[name] |= judge(flight, watched, chart_height(prepared), tracked[name].track, record)
+            seen = CONFORMANCE.watch(tracker, tracked[name].track)
+            figures[name]["conformance"] = conformance.figures(seen, prepared.departure)
             tracked[name] = tracked[name].light()
     return tracked, figures
 

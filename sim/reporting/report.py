@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.conformance import foremost, told_in_words
 from sim.flight import Flight
 from sim.reporting import style
 from sim.reporting.beliefs import mode_names
@@ -60,10 +61,12 @@ def write(
         if one.track.model_probabilities is not None
     }
     followed = [one for one in follow(scenario, flight, tracked) if one.curves]
+    alert = foremost(built or {}, tracked)
     script = _file("replay.js")
     equations, papers, errata = sources(what_ran(scenario, law))
     page = _template().render(
         **first_screen(scenario, flight, metrics, followed),
+        conformance=told_in_words(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
         charts=charts(flight, scenario, law),
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
         events=event_rows(flight),
@@ -73,7 +76,9 @@ def write(
         flight_rows=halves(scalar_rows(metrics["flight"])),
         spread=spread_rows(metrics.get("flights_summary", {})),
         trackers=tracker_tables(trackers) if trackers else [],
-        tracker_charts=tracker_charts(scenario, flight, trackers, tracked, followed, records, modes) if tracked else [],
+        tracker_charts=tracker_charts(scenario, flight, trackers, tracked, followed, records, modes, alert)
+        if tracked
+        else [],
         replay=replay(flight, scenario, followed, records),
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from sim.conformance import Watched, told_in_words
 from sim.flight import Flight
 from sim.reporting import style
+from sim.reporting.alert_strip import alert_strip
 from sim.reporting.beliefs import anomaly_strip, model_probabilities
 from sim.reporting.estimate_map import estimate_map
 from sim.reporting.followed import Followed
@@ -32,8 +34,9 @@ def tracker_charts(
     followed: list[Followed],
     records: dict[str, Any],
     modes: dict[str, list[str]],
+    alert: tuple[str, Watched] | None = None,
 ) -> list[Chart]:
-    """Figures of trackers that saw something; ``trackers`` as in metrics.json."""
+    """Figures of trackers that saw something; ``trackers`` as in metrics.json, ``alert`` a tracker and its test."""
     drawn: list[Chart] = []
 
     keys = tuple((words(one.name), one.look["color"], one.look["dashes"] != style.SOLID) for one in followed)
@@ -91,6 +94,16 @@ def tracker_charts(
             "position limit.",
             (),
         )
+        if alert is not None:
+            name, watched = alert
+            add(
+                "Who is flying?",
+                alert_strip(flight, watched),
+                f"{told_in_words(words(name), trackers[name]['conformance'])}. Above: probability of each intent, mean "
+                f"over the draws. Below: the log likelihood ratio against the {watched.told}, summed by Page's test; "
+                f"its limit makes false alarms rarer than one in {np.exp(watched.limit):.0f} looks.",
+                (),
+            )
         add(
             "Measurement anomalies",
             anomaly_strip(flight, scenario, tracked),

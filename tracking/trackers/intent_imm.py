@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Any, NamedTuple
@@ -14,7 +13,8 @@ from tracking.measurement import MeasurementModel
 from tracking.reference_path import Law, Line, Placed, ReferencePath, check_tuning, reference_path, sub_steps, uniform
 from tracking.trackers import law_ekf, route_control
 
-LIMITS = ("cross_track_limit", "bearing_limit")  # what sets the course of a far intercept, by law
+LIMITS = {"cross_track_limit": "route law", "bearing_limit": "beacon law"}  # what sets a far intercept, by law
+MANUAL = "manual"  # the intent of free flight
 
 
 class Intent(NamedTuple):
@@ -24,15 +24,35 @@ class Intent(NamedTuple):
     place: Any
 
 
+class Bank(NamedTuple):
+    """The told law with its limits over an axis of hypotheses, and another law in the last of them."""
+
+    told: Law
+    other: Law
+    last: Any  # (hypotheses, *1) bool
+
+    @property
+    def bank_limit(self) -> Any:
+        """rad."""
+        return self.told.bank_limit
+
+    def __call__(self, deviation: Any) -> Any:
+        """Bank, rad, of every hypothesis."""
+        return np.where(self.last, self.other(deviation), self.told(deviation))
+
+
 @dataclass(frozen=True)
 class IntentImm:
-    """The told law at several intercept limits, and free flight with little and with much manoeuvre.
+    """The told law at several intercept limits, another law, and free flight with little and with much manoeuvre.
 
     Far from the path all that shows of a law is the course at which it intercepts, which the position limit sets (z_max
     of [Vasylyev 2003, eq. (4)], the bearing limit of eq. (5)). So the bank of laws varies that limit alone, and the
     model probabilities say which limit is flown, and whether any law is. On a line the laws move as in `law_ekf`, on a
     route as in `route_control` with the slope of the law, so an aircraft that is flown on the estimate itself is a case
     for `route_control` with the control as known, not for this tracker.
+
+    The other law is one that the autopilot could be switched to: the beacon law where the told one is a route law. With
+    it the tracker also says who is flying (`intents`): the told law, the other one, or the crew by hand.
 
     Model probabilities are in the order of `modes`. Modes are left at a rate of 1 / ``mean_stay`` for any other mode
     alike, whatever the time between steps.
@@ -41,6 +61,7 @@ class IntentImm:
     law: Annotated[Any, "given"]
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
+    other_law: Annotated[Law | None, "given"] = None  # that the autopilot has too; None = it has no other
     limit_factors: tuple[float, ...] = (0.4, 0.64, 1.0, 1.6, 2.4)
     mean_stay: Annotated[float, "s"] = 120.0
     law_density: Annotated[float, "m2/s3"] = 0.1
@@ -53,6 +74,8 @@ class IntentImm:
             raise ValueError(f"limit_factors must be positive numbers, at least one, not {self.limit_factors}")
         if not any(hasattr(self.law, name) for name in LIMITS):
             raise ValueError(f"the law has no {' and no '.join(LIMITS)}, so there is no intercept to identify")
+        if self.other_law is not None and self._other in ((), (LIMITS[self._limit],)):
+            raise ValueError("the other law is a beacon law beside a route law, or a route law beside a beacon law")
         if not self.mean_stay > 0.0:
             raise ValueError(f"mean_stay must be positive, not {self.mean_stay} s")
         for density in (self.law_density, self.straight_density, self.manoeuvre_density):
@@ -67,13 +90,30 @@ class IntentImm:
         return next(name for name in LIMITS if hasattr(self.law, name))
 
     @property
+    def _other(self) -> tuple[str, ...]:
+        """The intent of the other law, if there is one."""
+        return (
+            () if self.other_law is None else tuple(it for name, it in LIMITS.items() if hasattr(self.other_law, name))
+        )
+
+    @property
+    def _laws(self) -> int:
+        """How many hypotheses fly a law."""
+        return len(self.limit_factors) + len(self._other)
+
+    @property
     def channels(self) -> tuple[str, ...]:
         return self._path.channels
 
     @property
     def modes(self) -> tuple[str, ...]:
-        """Names of the hypotheses: each law by the factor on its limit, then free flight."""
-        return (*(f"law x {factor:g}" for factor in self.limit_factors), "straight", "manoeuvre")
+        """Names of the hypotheses: each law by the factor on its limit, the other law, then free flight."""
+        return (*(f"law x {factor:g}" for factor in self.limit_factors), *self._other, "straight", "manoeuvre")
+
+    @property
+    def intents(self) -> tuple[str, ...]:
+        """What each hypothesis says the aircraft follows: ``route law``, ``beacon law`` or ``manual``."""
+        return (*(LIMITS[self._limit],) * len(self.limit_factors), *self._other, MANUAL, MANUAL)
 
     @property
     def limits(self) -> Any:
@@ -90,12 +130,14 @@ class IntentImm:
 
         The rate limit grows with the position limit: a law whose rate term cannot balance its position term orbits.
         """
-        factors = lift(np.array(self.limit_factors), 1, batch)
+        factors = lift(np.array((*self.limit_factors, *(1.0,) * (self._laws - len(self.limit_factors)))), 1, batch)
         limits = {self._limit: getattr(self.law, self._limit) * factors}
         if hasattr(self.law, "cross_track_rate_limit"):
             limits["cross_track_rate_limit"] = self.law.cross_track_rate_limit * np.maximum(factors, 1.0)
         laws: Law = replace(self.law, **limits)
-        return laws
+        if self.other_law is None:
+            return laws
+        return Bank(laws, self.other_law, lift(np.arange(self._laws) == self._laws - 1, 1, batch))
 
     def begin(self, prior: Gaussian) -> Intent:
         runs, count = prior.mean.shape[1:], len(self.modes)
@@ -119,7 +161,7 @@ class IntentImm:
 
     def _predict(self, state: Intent, dt: float) -> Intent:
         weights, mean, cov = interact(state.mixture, self._switching(dt))
-        laws = len(self.limit_factors)
+        laws = self._laws
         flown, place = self._fly(Mixture(weights[:laws], mean[:, :laws], cov[:, :, :laws]), state.place, dt)
         free = self._coast(Gaussian(mean[:, laws:], cov[:, :, laws:]), dt)
         means = np.concatenate([flown.mean, free.mean], axis=1)
@@ -127,11 +169,15 @@ class IntentImm:
         covs = [np.broadcast_to(part.cov, (*part.cov.shape[:3], *shape)) for part in (flown, free)]
         return Intent(Mixture(weights, means, np.concatenate(covs, axis=2)), place)
 
-    def _switching(self, dt: float) -> Any:
-        """Switching probabilities over dt: the semigroup of leaving at an even rate."""
+    def switched(self, probabilities: Any, dt: Any) -> Any:
+        """Model probabilities dt (s) later, before anything is measured: every mode is left at an even rate."""
         count = len(self.modes)
-        stay = math.exp(-dt * count / ((count - 1) * self.mean_stay))
-        return stay * np.eye(count) + (1.0 - stay) / count
+        stay = np.exp(-dt * count / ((count - 1) * self.mean_stay))
+        return stay * probabilities + (1.0 - stay) / count
+
+    def _switching(self, dt: float) -> Any:
+        """Switching probabilities over dt, a semigroup."""
+        return self.switched(np.eye(len(self.modes)), dt)
 
     def _fly(self, laws: Mixture, place: Any, dt: float) -> tuple[Gaussian, Any]:
         """Every law by itself, all from the place on the path that their common estimate has."""

@@ -1,0 +1,162 @@
+"""Does the aircraft follow the law that its tracker is told? Page's test on the mode probabilities of `intent_imm`.
+
+At every look the tracker weighs its hypotheses anew, and the ratio of what the look did to those that follow the told
+law and to all others is a likelihood ratio. Page's test sums its logarithm since the sum was last in favour of the told
+law, and alarms where the sum exceeds the logarithm of the number of looks that shall at least pass between two false
+alarms on average: while the told law is flown as the tracker models it, they are that rare (Lorden 1971), and the bound
+is a wide one. An alarm stands until the told law is more probable than not; then the sum begins anew.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tracking.track import Track
+
+UNLIKELY = 1e-300  # so little is left of a hypothesis that a look rules out
+PERCENTILES = (5, 50, 95)
+
+
+class Watched(NamedTuple):
+    """What the test says at each of k epochs, for each noise draw."""
+
+    time: np.ndarray  # (k,) s
+    told: str  # the intent that the tracker is told
+    belief: dict[str, np.ndarray]  # (k, draws) probability of each intent
+    sum: np.ndarray  # (k, draws) of log likelihood ratios against the told law, never below zero
+    limit: float
+
+    @property
+    def alarm(self) -> np.ndarray:
+        """(k, draws) bool."""
+        return np.asarray(self.sum > self.limit)
+
+
+@dataclass(frozen=True)
+class ConformanceTest:
+    """Page's test for a change from the told law to anything else [beyond the papers]."""
+
+    looks_between_false_alarms: float = 1000.0  # at least, on average
+
+    def __post_init__(self) -> None:
+        if not self.looks_between_false_alarms > 1.0:
+            raise ValueError(f"looks_between_false_alarms must be above 1, not {self.looks_between_false_alarms}")
+
+    @property
+    def limit(self) -> float:
+        """Of the sum."""
+        return math.log(self.looks_between_false_alarms)
+
+    def step(self, total: Any, evidence: Any, belief: Any) -> Any:
+        """The sum after one look more, after which the told law has the probability ``belief``.
+
+        A lost draw follows nothing that is known.
+        """
+        following = np.maximum(total + np.nan_to_num(evidence, nan=self.limit), 0.0)
+        return np.where((total > self.limit) & (belief > 0.5), 0.0, following)
+
+    def watch(self, tracker: Any, track: Track) -> Watched | None:
+        """The test along the record of a tracker; None for one that has no intents."""
+        names: tuple[str, ...] = getattr(tracker, "intents", ())
+        if not names or track.model_probabilities is None:
+            return None
+        after = np.asarray(track.model_probabilities)
+        before = np.full_like(after, 1.0 / len(names))
+        steps = np.diff(track.time)[:, None, None]
+        before[1:] = tracker.switched(after[:-1], steps)
+        told = np.array([name == names[0] for name in names])
+        with np.errstate(invalid="ignore"):  # a lost draw is a result
+            evidence = _log_odds(after, told) - _log_odds(before, told)
+        belief = {
+            name: after[:, np.array([other == name for other in names])].sum(axis=1) for name in dict.fromkeys(names)
+        }
+        sums = np.empty_like(evidence)
+        total: Any = 0.0
+        for row, look in enumerate(evidence):
+            total = sums[row] = self.step(total, look, belief[names[0]][row])
+        return Watched(track.time, names[0], belief, sums, self.limit)
+
+
+CONFORMANCE = ConformanceTest()
+
+
+def _log_odds(weights: np.ndarray, told: np.ndarray) -> np.ndarray:
+    """Logarithm of the odds (k, draws) against the told law."""
+    against, by = weights[:, ~told].sum(axis=1), weights[:, told].sum(axis=1)
+    return np.asarray(np.log(np.maximum(against, UNLIKELY)) - np.log(np.maximum(by, UNLIKELY)))
+
+
+def foremost(trackers: dict[str, Any], tracked: dict[str, Any]) -> tuple[str, Watched] | None:
+    """The first tracker that has intents, one that is told the law that flies before others, with its test."""
+    for told_wrong in (False, True):
+        for name, one in tracked.items():
+            if (one.law_from == "told wrong") is told_wrong and name in trackers:
+                watched = CONFORMANCE.watch(trackers[name], one.track)
+                if watched is not None:
+                    return name, watched
+    return None
+
+
+def figures(watched: Watched | None, departure: float | None) -> dict[str, Any] | None:
+    """As in metrics.json; ``departure`` is when the told law was left, s, None = it was flown to the end.
+
+    An alarm before the departure is a false one; delays are those of the draws in which there was no alarm then.
+    """
+    if watched is None:
+        return None
+    alarm, time = watched.alarm, watched.time
+    since = math.inf if departure is None else departure
+    early, late = (_first(alarm & during[:, None], time) for during in (time < since, time >= since))
+    standing = alarm[max(int(np.searchsorted(time, since)) - 1, 0)] if (time < since).any() else alarm[0] & False
+    answered = np.isfinite(late) & ~standing
+    first = np.fmin(early, late)
+    raised = np.isfinite(first)
+    rows = np.searchsorted(time, first[raised])
+    return {
+        "told": watched.told,
+        "looks_between_false_alarms": math.exp(watched.limit),
+        "alarm_fraction": float(raised.mean()),
+        "alarm_time_s": _percentiles(first[raised]),
+        "false_alarm_fraction": float(np.isfinite(early).mean()),
+        "departure_s": departure,
+        "detected_fraction": None if departure is None else float(np.isfinite(late).mean()),
+        "delay_s": None if departure is None else _percentiles(late[answered] - departure),
+        "believed_at_alarm": {
+            name: float(belief[rows, np.flatnonzero(raised)].mean()) for name, belief in watched.belief.items()
+        }
+        if raised.any()
+        else None,
+    }
+
+
+def _first(alarm: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """(draws,) s of the first alarm, NaN = none."""
+    return np.where(alarm.any(axis=0), time[np.argmax(alarm, axis=0)], np.nan)
+
+
+def _percentiles(values: np.ndarray) -> dict[str, float] | None:
+    if not values.size:
+        return None
+    return {f"p{p}": float(np.percentile(values, p)) for p in PERCENTILES}
+
+
+def told_in_words(name: str, found: dict[str, Any]) -> str:
+    """One sentence on what a tracker's test found; ``found`` as in metrics.json."""
+    told = f"Conformance by {name}:"
+    share, time = found["alarm_fraction"], found["alarm_time_s"]
+    if time is None:
+        missed = "" if found["departure_s"] is None else f", although it was left at {found['departure_s']:.0f} s"
+        return f"{told} the {found['told']} is followed, no alarm{missed}"
+    believed = max(found["believed_at_alarm"].items(), key=lambda item: item[1] * (item[0] != found["told"]))[0]
+    if found["departure_s"] is None:
+        return f"{told} the {found['told']} is followed; false alarms in {share:.1%} of the draws"
+    false = f", {found['false_alarm_fraction']:.1%} before" if found["false_alarm_fraction"] else ""
+    delay = f"after {found['delay_s']['p50']:.0f} s (median)" if found["delay_s"] else "at once"
+    return (
+        f"{told} the {found['told']} was left at {found['departure_s']:.0f} s; alarm {delay} in "
+        f"{found['detected_fraction']:.0%} of the draws{false}; most likely: {believed}"
+    )
