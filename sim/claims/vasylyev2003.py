@@ -5,6 +5,7 @@ from __future__ import annotations
 from sim.claims.figures.vasylyev2003 import plots
 from sim.claims.ledger import Claim, Reading, counted
 from sim.claims.runs.vasylyev2003 import (
+    DELAYS,
     DENSITY,
     FAR,
     GIVEN_GAINS,
@@ -14,6 +15,7 @@ from sim.claims.runs.vasylyev2003 import (
     OUTSIDE,
     OWN_GAINS,
     WRONG,
+    after_delay,
     better_ahead,
     crossover,
     difference_flown,
@@ -204,5 +206,16 @@ CLAIMS: tuple[Claim, ...] = (
         "m RMSE",
         geometry_by=OURS,
         overlooked=True,
+    ),
+    Claim(
+        "accuracy_against_delay",
+        "RMSE of the best filter without a law, smoothed with a fixed lag, over saturated control at once",
+        "not said",
+        None,
+        tuple(Reading(f"{delay:g} s later", after_delay(delay)) for delay in DELAYS),
+        "times",
+        geometry_by=OURS,
+        overlooked=True,
+        note="Where the ratio is above 1, knowing the law is worth more than the delay.",
     ),
 )

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from sim.claims.plots import Curve, Plot
-from sim.claims.runs.volovyk2022 import DENSITY, RADAR, SMALLEST, experiment, imm, squares
+from sim.claims.runs.landing_paths import JSBSIM, LEFT
+from sim.claims.runs.volovyk2022 import DENSITY, IMPROVED, RADAR, SMALLEST, experiment, imm, squares
 from sim.truths.landing_pattern import GROUND
 from tracking.gaussian import merge
 from tracking.track import follow
@@ -18,13 +19,19 @@ def plots(seed: int) -> Iterator[Plot]:
     data, found = experiment(seed, SMALLEST), squares(DENSITY, seed, SMALLEST)
     time, north, east = data.measurements.time, data.truth[:, 0, 0] / 1000.0, data.truth[:, 1, 0] / 1000.0
     flown = data.phase[:, 0] < GROUND
+    six = experiment(seed, SMALLEST, JSBSIM)
+    airborne = six.phase[:, 0] < GROUND
     yield Plot(
         "fig. 1",
         "Landing pattern",
         "From the base leg to the touchdown; the radar stands beside the runway.",
         "north, km",
         "east, km",
-        (Curve("path", north[flown], east[flown]), Curve("radar", [RADAR[0] / 1e3], [RADAR[1] / 1e3], "dots")),
+        (
+            Curve("point mass", north[flown], east[flown]),
+            Curve("flown on JSBSim", *(six.truth[airborne, i, 0] / 1e3 for i in (0, 1)), "dashed"),
+            Curve("radar", [RADAR[0] / 1e3], [RADAR[1] / 1e3], "dots"),
+        ),
         equal=True,
     )
     weights, means = [], []
@@ -51,9 +58,22 @@ def plots(seed: int) -> Iterator[Plot]:
         ),
         equal=True,
     )
-    rows = np.flatnonzero((data.phase < GROUND).all(axis=1))
-    curves = tuple(
-        Curve(name, time[rows], np.sqrt(part["position"][rows].mean(axis=1)))
-        for name, part in (("measurement", found.raw), ("filter", found.own))
-    )
-    yield Plot("fig. 4", "Error of measurement and filter", f"{SMALLEST} runs.", "time, s", "position RMSE, m", curves)
+    for truth, where in ((LEFT, "point mass"), (JSBSIM, "flown on JSBSim")):
+        data, found = experiment(seed, SMALLEST, truth), squares(DENSITY, seed, SMALLEST, truth)
+        better = squares(IMPROVED, seed, SMALLEST, truth)
+        rows = np.flatnonzero((data.phase < GROUND).all(axis=1))
+        yield Plot(
+            "fig. 4",
+            f"Error of measurement and filter, {where}",
+            f"{SMALLEST} runs; from the base leg to the touchdown.",
+            "time, s",
+            "position RMSE, m",
+            tuple(
+                Curve(name, data.measurements.time[rows], np.sqrt(part["position"][rows].mean(axis=1)), look)
+                for name, part, look in (
+                    ("measurement", found.raw, "line"),
+                    ("filter as published", found.own, "line"),
+                    ("with a model of the deceleration", better.own, "dashed"),
+                )
+            ),
+        )

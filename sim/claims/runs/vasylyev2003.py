@@ -19,7 +19,8 @@ from tracking.intervals import Interval, gain, mean_interval, paired_difference
 from tracking.measurement import LinearMeasurement
 from tracking.motion import Transition, constant_velocity
 from tracking.reference_path import Line
-from tracking.track import Measurements, follow
+from tracking.smoothing import smooth_fixed_lag
+from tracking.track import Measurements, follow, track
 from tracking.trackers.kalman import Kalman
 from tracking.trackers.linear_feedback import LinearFeedback
 from tracking.trackers.saturated_control import SaturatedControl
@@ -37,6 +38,7 @@ START = np.array([SIGMA, 5.0])  # m, m/s: standard deviations of the prior
 LOSS, LOST_FOR = 4.89, 10  # sigmas of the 1 - 1e-6 interval, scans
 GATE = 3.0  # sigmas
 AHEAD = (20.0, 60.0, 120.0)  # s
+DELAYS = (0.0, 4.0, 8.0, 12.0, 20.0)  # s, whole scans
 MODEL, GIVEN_GAINS, OWN_GAINS = "model", "vasylyev2003_jsbsim", "vasylyev2003_own_gains"
 
 
@@ -310,3 +312,23 @@ def crossover(seed: int, runs: int) -> Interval:
     found = [np.log(gain(*(one[start, "limited"] for one in both))[:3]) for start in GRID]
     value, high, low = (float(np.interp(0.0, column, GRID)) for column in np.array(found).T)
     return Interval(value, low, high, runs)
+
+
+@lru_cache(maxsize=1)
+def delayed(seed: int, runs: int) -> dict[float, Any]:
+    """Mean squared error of each run of the best filter without a law, by how long one waits for it (s)."""
+    data = capture(seed, runs, OUTSIDE)
+    found: dict[float, Any] = {}
+    for density in UNIFORM:
+        filter_ = tracker("uniform", data, density)
+        record = track(filter_, data.measurements, data.prior, 0.0)
+        for delay in DELAYS:
+            mean = smooth_fixed_lag(record, filter_.motion, round(delay / PERIOD)).mean
+            each = ((mean[1:, 0] - data.truth[1:, 0]) ** 2).mean(axis=0)
+            found[delay] = min(found.get(delay, each), each, key=np.mean)
+    return found
+
+
+def after_delay(delay: float) -> Any:
+    """Measure of the RMSE of that filter over the one of saturated control at once."""
+    return lambda seed, runs: gain(delayed(seed, runs)[delay], capture_squares("saturated", seed, runs, OUTSIDE, MODEL))

@@ -11,26 +11,40 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.claims.flown import flown
+from sim.claims.runs.landing_paths import (
+    ALL_ENTRIES,
+    EACH,
+    ENTRIES,
+    JSBSIM,
+    JSBSIM_RIGHT,
+    LEFT,
+    RIGHT,
+    SCAN,
+    entered,
+    mirrored,
+    pattern,
+    six_degrees,
+)
 from sim.randomness import stream
-from sim.truths.landing_pattern import BASE, FINAL, FINAL_TURN, GLIDE, GROUND, LandingPattern
-from sim.truths.madap import Madap
+from sim.truths.landing_pattern import BASE, FINAL, FINAL_TURN, GLIDE
 from tracking.gaussian import Gaussian, merge
 from tracking.intervals import Interval, gain, mean_interval
 from tracking.measurement import ConvertedPolar, DebiasedPolar
 from tracking.monitor import NisMonitor
 from tracking.motion import ConstantVelocity, Transition
-from tracking.track import Measurements, chunks, follow
+from tracking.smoothing import smooth_fixed_lag
+from tracking.track import Measurements, Track, chunks, follow, track
 from tracking.trackers.imm import InteractingMultipleModel, ModelSet, improved_set, published_set
 from tracking.trackers.kalman import Kalman
 
-SCAN, STEP, PAPER_RUNS = 0.7, 0.35, 130
+PAPER_RUNS = 130
 RADAR = (1200.0, 150.0)  # m: 900 m past the aiming point, 150 m right of the centreline; ours
 AIMING_POINT = 300.0  # m
 SIGMAS = np.array([30.0, math.radians(1.0)])
 PRIOR = np.diag([1e3, 0.05, 1e3, 0.05])
 SMALLEST = 130  # runs of the quick form
 TURN_LEFT = 1  # the model of the fast turn
+DELAYS, DELAYED_RUNS = (0.0, 2.1, 4.9, 9.8, 20.3), 20  # s, whole scans
 AFTER = 35.0  # s behind the glide path's beginning
 LEGS = {
     "all": (BASE, FINAL_TURN, FINAL, GLIDE),
@@ -42,15 +56,6 @@ LEGS = {
 NEAR, FAR = (900.0, 1500.0), (6000.0, 8000.0)  # m
 STRETCHES = ((8000.0, 6000.0), (6000.0, 4500.0), (4500.0, 3000.0), (3000.0, 1500.0), (1500.0, 500.0))  # m, to go
 NORM_SHARE, NORM_LEAST, NORM_OF_DEVIATION = 0.006, 9.0, 0.1  # Annex 10, 3.2.3.3.1: of the distance, m, of the deviation
-SCENARIO = "volovyk2022_jsbsim"
-PHASES = {"base": BASE, "final_turn": FINAL_TURN, "final": FINAL, "glide": GLIDE, "flare": GLIDE}
-LEFT, RIGHT, ALL_ENTRIES, JSBSIM, JSBSIM_RIGHT = "left", "right", "entries", "jsbsim", "jsbsim right"
-TURNS = (0, 30, 60, 90, 120, 150, 180)  # deg onto final
-SHARPEST = 120  # deg that the law turns onto one leg; more are flown as a turn onto the base leg before
-BEFORE, BANK = 5000.0, math.radians(15.0)  # m straight before that turn, rad
-FINER = 7  # records of that turn within a scan
-ENTRIES = [(LEFT, turn) for turn in TURNS] + [(RIGHT, turn) for turn in TURNS[1:]]
-EACH = 40  # runs of an entry: entries are many, and what they show is large
 
 
 @dataclass(frozen=True)
@@ -96,15 +101,6 @@ SETS = {
 }
 
 
-class Path(NamedTuple):
-    """What is flown, at every scan."""
-
-    time: Any  # (k,)
-    place: Any  # (k, 2, runs) north, east
-    phase: Any  # (k, runs)
-    start: Any  # (4,) or (4, runs): north, its rate, east, its rate
-
-
 class Experiment(NamedTuple):
     """Scans of an ensemble."""
 
@@ -114,73 +110,6 @@ class Experiment(NamedTuple):
     prior: Gaussian
     distance: Any  # (k, runs) m, from the radar
     to_go: Any  # (k, runs) m, to the aiming point
-
-
-@lru_cache(maxsize=4)
-def pattern(seed: int, runs: int, turn: int = 90) -> Path:
-    """The left-hand landing pattern; ``turn`` is the change of course onto final, deg."""
-    if turn > SHARPEST:
-        return preceded(pattern(seed, runs), turn)
-    motion = LandingPattern(turn=math.radians(turn))
-    flight = motion.fly(stream(seed, 0, 0, f"volovyk2022.air.{turn}"), runs, step=STEP)
-    stride = round(SCAN / STEP)
-    rows = np.arange(stride, len(flight.time), stride)
-    state = flight.state
-    start = [np.ravel(value[0])[0] for value in (state.north, state.velocity_north, state.east, state.velocity_east)]
-    place = np.stack([state.north[rows], state.east[rows]], axis=1)
-    return Path(flight.time[rows], place, flight.phase[rows], np.array(start))
-
-
-def preceded(path: Path, turn: int) -> Path:
-    """The pattern after a straight and a turn onto its base leg, so that course changes by ``turn`` (deg) in all."""
-    north, north_rate, east, east_rate = path.start
-    speed, course = math.hypot(north_rate, east_rate), math.atan2(east_rate, north_rate)
-    change = math.radians(turn) - 0.5 * math.pi
-    leg = Madap(speed, BANK, straight=BEFORE, turn=-change, after=1.0, course=course + change)
-    joined = leg.fly(step=SCAN / FINER).state
-    first = (len(joined.time) - 1) % FINER
-    rows = np.arange(first, len(joined.time), FINER)  # every scan, the last where the pattern begins
-    moved = (joined.north - joined.north[-1] + north)[rows], (joined.east - joined.east[-1] + east)[rows]
-    before = np.stack(moved, axis=1)[..., None]
-    return Path(
-        SCAN * np.arange(1, len(rows) + len(path.time)),
-        np.concatenate([np.broadcast_to(before[1:], (len(rows) - 1, *path.place.shape[1:])), path.place]),
-        np.concatenate([np.full((len(rows) - 1, path.phase.shape[1]), BASE), path.phase]),
-        np.array([before[0, 0, 0], joined.velocity_north[first], before[0, 1, 0], joined.velocity_east[first]]),
-    )
-
-
-def mirrored(path: Path) -> Path:
-    """The same on the other side of the centreline."""
-    return path._replace(place=path.place * [[1.0], [-1.0]], start=path.start * [1.0, 1.0, -1.0, -1.0])
-
-
-def six_degrees(runs: int, side: str) -> Path:
-    """The pattern that JSBSim flies."""
-    flight = flown(SCENARIO, ("route.side", side))
-    rows, s = flight.rows(SCAN), flight.state
-    names = np.array([PHASES.get(name, GROUND) for name in flight.flight.phases])
-    place = np.stack([s.north[rows], s.east[rows]], axis=1)[..., None]
-    phase = names[flight.flight.phase[rows]][:, None]
-    start = np.array([s.north[0], s.velocity_north[0], s.east[0], s.velocity_east[0]])
-    shape = (len(rows), runs)
-    return Path(s.time[rows], np.broadcast_to(place, (shape[0], 2, runs)), np.broadcast_to(phase, shape), start)
-
-
-def entered(seed: int) -> Path:
-    """All entries side by side, EACH runs of each; those that land earlier stand still."""
-    paths = {turn: pattern(seed, EACH, turn) for turn in TURNS}
-    chosen = [paths[turn] if side == LEFT else mirrored(paths[turn]) for side, turn in ENTRIES]
-    longest = max(chosen, key=lambda path: len(path.time))
-    k = len(longest.time)
-
-    def padded(values: Any) -> Any:
-        return np.concatenate([values, np.repeat(values[-1:], k - len(values), axis=0)])
-
-    place = np.concatenate([padded(path.place) for path in chosen], axis=2)
-    phase = np.concatenate([padded(path.phase) for path in chosen], axis=1)
-    start = np.concatenate([np.repeat(path.start[:, None], EACH, axis=1) for path in chosen], axis=1)
-    return Path(longest.time, place, phase, start)
 
 
 @lru_cache(maxsize=3)
@@ -372,3 +301,35 @@ def delays(density: float, truth: str = LEFT) -> Any:
         return Interval(value, value * math.exp(spread.low), value * math.exp(spread.high), runs)
 
     return measured
+
+
+@lru_cache(maxsize=1)
+def delayed(seed: int) -> dict[float, tuple[Any, Any]]:
+    """Mean squared errors per run of the plots and of a fixed-lag smoother, from the turn onto final on, by delay (s).
+
+    One Kalman filter of density 3, smoothed: a set of models takes a minute for it.
+    """
+    data = experiment(seed, SMALLEST)
+    some = slice(0, DELAYED_RUNS)
+    seen, motion = data.measurements.runs(some), ConstantVelocity(3.0)
+    tracker = Kalman(ConvertedPolar(position=RADAR, height=0.0), motion)
+    record = track(tracker, seen, data.prior, 0.0)
+    turning = np.flatnonzero((data.phase[:, some] == FINAL_TURN).any(axis=1))
+    longest = round(max(DELAYS) / SCAN)
+    part = slice(turning[0], turning[-1] + 1 + longest)
+    window = Track(record.channels, *(None if field is None else field[part] for field in record[1:]))
+    truth = data.truth[part, :, some]
+    z = seen.z[part]
+    plots_ = np.array(RADAR)[:, None] + z[:, :1] * np.stack([np.cos(z[:, 1]), np.sin(z[:, 1])], axis=1)
+    judged = slice(0, len(turning))
+    raw = ((plots_ - truth) ** 2).sum(axis=1)[judged].mean(axis=0)
+    found = {}
+    for delay in DELAYS:
+        mean = smooth_fixed_lag(window, motion, round(delay / SCAN)).mean
+        found[delay] = (raw, ((mean[:, [0, 2]] - truth) ** 2).sum(axis=1)[judged].mean(axis=0))
+    return found
+
+
+def after_delay(delay: float) -> Any:
+    """Measure of the RMSE of the plots over that of the smoother, in the turn onto final."""
+    return lambda seed, runs: gain(*delayed(seed)[delay])
