@@ -19,6 +19,7 @@ from aircraft.data import AircraftData, describe
 from aircraft.errors import FlightError, ModelError
 from aircraft.executive import fresh_executive, sentence
 from aircraft.landing_gear import main_wheels
+from aircraft.power_plant import started
 from aircraft.properties import EARTH_RADIUS, FOOT, getter, node, setter
 from aircraft.runway import Runway
 from aircraft.state import AircraftState, Controls
@@ -81,13 +82,14 @@ class Airframe:
         self._set_flaps = setter(manager, properties.FLAPS_COMMAND)
         self._set_gear = setter(manager, properties.GEAR_COMMAND)
         self._wind = [setter(manager, wanted) for wanted in properties.WIND]
-        self._engines = executive.get_propulsion()
-        self._needs_spinning_up = has_propellers
+        self._settle: Callable[[], None] | None = None
         self._controls = Controls(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
         self._last: AircraftState | None = None
         self._has_flown = False
         self._specific_force = 0.0
         self.full_flaps, flaps, self._flaps_factor = self._full_flaps()
+        if has_propellers:
+            self._settle = started(executive)
         self._seen = [getter(manager, wanted) for wanted in (*properties.STATE, *properties.FORCES)]
         self._seen += [flaps, getter(manager, properties.GEAR)]
 
@@ -95,6 +97,11 @@ class Airframe:
     def mass(self) -> float:
         """kg; fuel does not burn, so that it is constant."""
         return self._mass() * properties.MASS.factor
+
+    @property
+    def wing_area(self) -> float:
+        """m2, of the wing to which the model refers its coefficients."""
+        return getter(self._manager, properties.WING_AREA)() * properties.WING_AREA.factor
 
     def begin(self, initial: InitialCondition, wind: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> AircraftState:
         """Put the aircraft into a steady state in a steady horizontal wind and return that state.
@@ -134,8 +141,9 @@ class Airframe:
         try:
             for _ in range(3):  # the rate of the angle of attack is one frame old
                 self._executive.run_ic()
-                if self._needs_spinning_up:
-                    self._engines.get_steady_state()
+            if self._settle is not None:
+                self._settle()
+                self._executive.set_sim_time(0.0)
         except jsbsim.BaseError as error:
             raise FlightError(f"the model cannot begin a flight: {sentence([str(error)])}") from None
         self._executive.set_trim_status(False)

@@ -45,6 +45,7 @@ FORCES = (  # everything but weight; the friction of the wheels is solved later 
     Property("forces/fbz-total-lbs", POUND_PER_SLUG, "force down"),
 )
 MASS = Property("inertia/mass-slugs", 14.593902937206365, "mass")
+WING_AREA = Property("metrics/Sw-sqft", FOOT * FOOT, "area of the wing")
 ACCELERATIONS = (
     Property("accelerations/udot-ft_sec2", FOOT, "rate of the velocity forward, in turning body axes"),
     Property("accelerations/vdot-ft_sec2", FOOT, "rate of the velocity right"),

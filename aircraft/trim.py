@@ -12,7 +12,11 @@ from aircraft.errors import TrimError
 from aircraft.state import Controls
 
 TOLERANCE = 1e-8  # m/s2 and rad/s2; Newton converges quadratically, so this is one iteration beyond 1e-4
+ACCEPTED = 1e-6  # m/s2 and rad/s2; the thrust of a propeller comes to rest only to about 1e-8 of itself
 ITERATIONS = 40
+STALE = 10  # iterations without halving the residual: there is no such state
+STALE_NEAR = 4  # from a neighbouring trim
+FALLING = 0.3  # of the residual from one iteration to the next, from a neighbouring trim: its Jacobian still serves
 DIFFERENCE = 1e-4  # of the central differences: rad and share of control
 LARGEST_STEP = np.array([math.radians(3.0), 0.2, 0.2, math.radians(5.0), 0.2, 0.2])
 STALLED = 0.25  # rad of body incidence; no aeroplane of ours carries its weight beyond
@@ -43,6 +47,7 @@ def trim(
     flaps: float = 0.0,
     gear: float = 0.0,
     acceleration: float = 0.0,
+    near: Trim | None = None,
 ) -> Trim:
     """Straight flight at zero sideslip: angle of attack, throttle and five more such that nothing accelerates.
 
@@ -52,6 +57,7 @@ def trim(
     airspeed : m/s, true.
     flight_path_angle : rad, through the air, + up.
     acceleration : m/s2 along the path; not zero for a quasi-steady deceleration.
+    near : a trim to start from, which saves iterations.
 
     Raises ``TrimError`` when there is no such state.
     """
@@ -77,22 +83,36 @@ def trim(
         down -= acceleration * math.sin(alpha)
         return np.array([along, side, down, roll, pitch, yaw])
 
-    unknowns = np.array([math.radians(4.0), 0.4, 0.0, 0.0, 0.0, 0.0])
+    unknowns = np.array([math.radians(4.0), 0.4, 0.0, 0.0, 0.0, 0.0] if near is None else _unknowns(near.initial))
+    patience = STALE if near is None else STALE_NEAR
+    best, before, stale, jacobian = math.inf, math.inf, 0, None
     for _ in range(ITERATIONS):
         error = residual(unknowns)
-        if np.abs(error).max() < TOLERANCE:
+        size = float(np.abs(error).max())
+        best, stale = (size, 0) if size < 0.5 * best else (best, stale + 1)
+        if size < TOLERANCE or stale == patience or (stale > 0 and size < ACCEPTED):
             break
-        steps = DIFFERENCE * np.eye(6)
-        jacobian = np.column_stack(
-            [(residual(unknowns + step) - residual(unknowns - step)) / (2.0 * DIFFERENCE) for step in steps]
-        )
+        if jacobian is None or near is None or size > FALLING * before:
+            steps = DIFFERENCE * np.eye(6)
+            jacobian = np.column_stack(
+                [(residual(unknowns + step) - residual(unknowns - step)) / (2.0 * DIFFERENCE) for step in steps]
+            )
+        before = size
         correction = np.linalg.lstsq(jacobian, error, rcond=1e-10)[0]
         unknowns = unknowns - correction / max(1.0, float(np.abs(correction / LARGEST_STEP).max()))
         unknowns = np.clip(unknowns, [-0.3, 0.0, -1.0, -0.5, -1.0, -1.0], [0.6, 1.0, 1.0, 0.5, 1.0, 1.0])
     remaining = float(np.abs(residual(unknowns)).max())
-    if not remaining < 1e-6:
+    if not remaining < ACCEPTED:
         raise TrimError(_failure(airframe.data.title, airspeed, flight_path_angle, unknowns, remaining))
     return Trim(condition(unknowns), flight_path_angle, remaining)
+
+
+def _unknowns(initial: InitialCondition) -> list[float]:
+    controls = initial.controls
+    return [
+        *(initial.angle_of_attack, controls.throttle, controls.elevator),
+        *(initial.bank, controls.aileron, controls.rudder),
+    ]
 
 
 def _pitch(alpha: float, bank: float, flight_path_angle: float) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from sim import channels
 from sim.flight import Flight
+from sim.twins import as_one
 from tracking.gaussian import Mixture, merge
 from tracking.track import Epoch
 
@@ -17,77 +18,91 @@ DRAWS = 16  # of the ensemble that look ahead; their spread over draws is far sm
 
 
 class LookAhead:
-    """Watches a track, keeps its state at a few epochs and predicts from all of them at once."""
+    """Watches the track of twins, keeps their state at a few epochs and predicts from all of them at once."""
 
-    def __init__(self, tracker: Any, flight: Flight, epochs: np.ndarray, sensors: dict[str, Any]) -> None:
-        self.tracker, self.flight, self.sensors = tracker, flight, sensors
+    def __init__(self, trackers: list[Any], flight: Flight, epochs: np.ndarray, sensors: dict[str, Any]) -> None:
+        self.trackers, self.flight, self.sensors = trackers, flight, sensors
         early = epochs[epochs <= flight.time[-1] - SPANS[0]]
         # not the first epochs, which are the prior's
         self.wanted = (
             set(early[np.linspace(0, len(early) - 1, INSTANTS + 1).astype(int)][1:].tolist()) if len(early) else set()
         )
-        self.kept: list[tuple[float, Any]] = []  # (s, state of the first draws)
+        self.kept: list[tuple[float, Any]] = []  # (s, state of some draws of every twin)
+        self.draws = DRAWS  # of each twin
 
     def __call__(self, epoch: Epoch) -> None:
         """Keep the state of an epoch, once, if it is one of those chosen."""
         if epoch.time not in self.wanted:
             return
         self.wanted.discard(epoch.time)
-        draws = np.shape((merge(epoch.estimate) if isinstance(epoch.estimate, Mixture) else epoch.estimate).mean)[-1]
-        self.kept.append((epoch.time, narrowed(epoch.state, draws, DRAWS)))
-        self.draws = min(draws, DRAWS)
+        runs = np.shape(epoch.estimate.mean)[-1]
+        own = runs // len(self.trackers)
+        self.draws = min(own, DRAWS)
+        rows = np.add.outer(own * np.arange(len(self.trackers)), np.arange(self.draws)).ravel()
+        self.kept.append((epoch.time, narrowed(epoch.state, runs, rows)))
 
-    def figures(self) -> dict[str, dict[str, float]]:
-        """RMSE by span and channel, as in metrics.json."""
-        if not self.kept:
-            return {}
-        squares: dict[float, dict[str, list[np.ndarray]]] = {}
-        try:
-            # the instants side by side as if they were draws: a prediction costs by its steps, hardly by its runs
-            groups = [(np.array([time for time, _ in self.kept]), side_by_side([s for _, s in self.kept], self.draws))]
-        except TypeError:  # a state of the caller's own making
-            groups = [(np.array([time]), state) for time, state in self.kept]
-        for times, state in groups:
-            done = 0.0
+    def figures(self) -> list[dict[str, dict[str, float]]]:
+        """RMSE by span and channel of each twin, as in metrics.json."""
+        found: list[dict[float, dict[str, list[np.ndarray]]]] = [{} for _ in self.trackers]
+        for times, state in self._groups():
+            tracker, done = as_one(self.trackers * len(times), self.draws), 0.0
             for span in SPANS:
                 within = times + span <= self.flight.time[-1]
                 if not within.any():
                     break
                 with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-                    state, _ = self.tracker.step(state, span - done, None, None)
-                    estimate = self.tracker.estimate(state)
+                    state, _ = tracker.step(state, span - done, None, None)
+                    estimate = tracker.estimate(state)
+                    mean, cov = merge(estimate) if isinstance(estimate, Mixture) else estimate
                 done = span
-                mean, cov = merge(estimate) if isinstance(estimate, Mixture) else estimate
-                for channel, found in self._squares(times + span, mean, cov, within).items():
-                    squares.setdefault(span, {}).setdefault(channel, []).append(found)
-        return {
-            f"{span:.0f}_s": {channel: float(np.sqrt(np.mean(np.concatenate(found)))) for channel, found in by.items()}
-            for span, by in squares.items()
-        }
+                for twin, squares in enumerate(self._squares(times + span, within, mean, cov)):
+                    for channel, values in squares.items():
+                        found[twin].setdefault(span, {}).setdefault(channel, []).append(values)
+        return [{f"{span:.0f}_s": _rmse(by_channel) for span, by_channel in own.items()} for own in found]
 
-    def _squares(self, times: np.ndarray, mean: Any, cov: Any, within: np.ndarray) -> dict[str, np.ndarray]:
-        """Squared errors (instants within the flight, draws) by channel, from estimates with instants side by side."""
-        instants, n = len(times), len(mean)
-        cov = cov if np.ndim(cov) == 3 else cov[..., None]
-        mean = np.moveaxis(mean.reshape(n, instants, -1), 1, 0)[within]
-        cov = np.broadcast_to(cov, (n, n, instants * mean.shape[2]) if cov.shape[2] > 1 or instants > 1 else cov.shape)
-        cov = np.moveaxis(cov.reshape(n, n, instants, -1), 2, 0)[within]
+    def _groups(self) -> list[tuple[np.ndarray, Any]]:
+        """Instants and the state that holds them side by side: all in one, where the state allows it.
+
+        A prediction costs by its steps and hardly by its runs.
+        """
+        if not self.kept:
+            return []
+        try:
+            joined = side_by_side([state for _, state in self.kept], self.draws * len(self.trackers))
+        except TypeError:  # a state of the caller's own making
+            return [(np.array([time]), state) for time, state in self.kept]
+        return [(np.array([time for time, _ in self.kept]), joined)]
+
+    def _squares(self, times: np.ndarray, within: np.ndarray, mean: Any, cov: Any) -> list[dict[str, np.ndarray]]:
+        """Squared errors (instants within the flight, draws) by channel, for each twin."""
+        n, shape = len(mean), (len(times), len(self.trackers), self.draws)
+        cov = np.broadcast_to(cov if np.ndim(cov) == 3 else cov[..., None], (n, n, mean.shape[1]))
+        mean = np.moveaxis(mean.reshape(n, *shape), 1, 0)[within]  # (instants, n, twins, draws)
+        cov = np.moveaxis(cov.reshape(n, n, *shape), 2, 0)[within]
         truth = channels.truth_at(self.flight, times[within])
+        names = self.trackers[0].channels
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-            errors = channels.compare(self.flight, truth, self.tracker.channels, mean, cov, self.sensors)
-        return {channel: channels.squared(compared) for channel, compared in errors.items()}
+            errors = [
+                channels.compare(self.flight, truth, names, mean[:, :, twin], cov[..., twin, :], self.sensors)
+                for twin in range(len(self.trackers))
+            ]
+        return [{channel: channels.squared(one) for channel, one in compared.items()} for compared in errors]
 
 
-def narrowed(state: Any, draws: int, keep: int) -> Any:
-    """A tracker's state with the first ``keep`` of its draws: every array whose last axis is the draws is cut."""
-    if draws <= keep:
+def _rmse(by_channel: dict[str, list[np.ndarray]]) -> dict[str, float]:
+    return {channel: float(np.sqrt(np.mean(np.concatenate(parts)))) for channel, parts in by_channel.items()}
+
+
+def narrowed(state: Any, runs: int, rows: np.ndarray) -> Any:
+    """A tracker's state with some of its runs: of every array whose last axis is the runs, those ``rows``."""
+    if len(rows) == runs:
         return state
     if isinstance(state, np.ndarray):
-        return state[..., :keep] if state.ndim and state.shape[-1] == draws else state
+        return state[..., rows] if state.ndim and state.shape[-1] == runs else state
     if isinstance(state, dict):
-        return {key: narrowed(value, draws, keep) for key, value in state.items()}
+        return {key: narrowed(value, runs, rows) for key, value in state.items()}
     if isinstance(state, tuple):
-        parts = [narrowed(part, draws, keep) for part in state]
+        parts = [narrowed(part, runs, rows) for part in state]
         return type(state)(*parts) if hasattr(state, "_fields") else tuple(parts)
     return state
 

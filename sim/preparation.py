@@ -9,8 +9,9 @@ from typing import Any
 
 from aircraft.airframe import Runway as Place
 from aircraft.airframe import Wind
-from aircraft.data import AircraftData, data
+from aircraft.data import AircraftData
 from aircraft.errors import FlightError, ModelError, TrimError
+from aircraft.slowest import complete
 from autopilot.approach import PHASES, Approach, Landing
 from autopilot.departure import Departing
 from autopilot.design import RATE_MARGIN, Designed
@@ -137,7 +138,7 @@ def _prepared(scenario: Scenario) -> Prepared:
 
 def _data(scenario: Scenario) -> AircraftData:
     model = scenario.aircraft.model
-    known = AircraftData("point mass") if model == "point_mass" else data(model)
+    known = AircraftData("point mass") if model == "point_mass" else complete(model)
     mass = scenario.aircraft.mass
     if mass is not None and not known.mass_min <= mass <= known.mass_max:
         raise ModelError(

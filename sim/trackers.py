@@ -16,6 +16,7 @@ from sim.look_ahead import LookAhead
 from sim.observation import SensorRecord, measurements
 from sim.preparation import Prepared
 from sim.tracker_setup import adopt, build, chart_height, gives_place, reads_places
+from sim.twins import alike, apart, as_one, repeated
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.track import Measurements, Track, follow
 from tracking.track import track as run_tracker
@@ -58,34 +59,73 @@ def track(
     Returns the records and the figures of metrics.json. A tracker sees measurements, the law it is told and the
     route; never the active leg, the phase or the true motion.
     """
-    tracked: dict[str, Tracked] = {}
     figures: dict[str, Any] = {}
     choices = {name: (choice.kind, choice.sensors, choice) for name, choice in prepared.scenario.trackers.items()}
     places = tuple(name for name in records if gives_place(prepared.scenario.sensors[name]))
     choices |= {
         name: ("own", places if reads_places(tracker) else tuple(records), None) for name, tracker in own.items()
     }
+    heard = {  # what arrives after the flight comes too late
+        sensors: _between(measurements(records, sensors), -math.inf, float(flight.time[-1]))
+        for sensors in dict.fromkeys(sensors for _, sensors, _ in choices.values())
+    }
+    entries: list[Entry] = []
     for name, (kind, sensors, choice) in choices.items():
-        record = _between(measurements(records, sensors), -math.inf, float(flight.time[-1]))  # later ones come too late
         tracker, law_from = (
             (adopt(prepared, own[name], sensors), None) if choice is None else build(prepared, name, choice)
         )
         figures[name] = {"kind": kind, "law_from": law_from, "overall": {}, "by_phase": {}, "conformance": None}
-        start = begins(prepared, name, sensors, record, flight)
-        if start is None:
-            continue  # never in sight: n/a, not an error
-        record = _between(record, start, math.inf)
-        prior = _prior(prepared, flight, records, name, tracker, start, number)
-        watched = {sensor: prepared.scenario.sensors[sensor] for sensor in sensors}
-        ahead = LookAhead(tracker, flight, record.arrival, watched)
-        tracked[name] = Tracked(run_tracker(tracker, record, prior, start, ahead), record, law_from)
-        figures[name]["look_ahead"] = ahead.figures()
-        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-            figures[name] |= judge(flight, watched, chart_height(prepared), tracked[name].track, record)
-            seen = CONFORMANCE.watch(tracker, tracked[name].track)
-            figures[name]["conformance"] = conformance.figures(seen, prepared.departure)
-            tracked[name] = tracked[name].light()
-    return tracked, figures
+        start = begins(prepared, name, sensors, heard[sensors], flight)
+        if start is not None:  # otherwise never in sight: n/a, not an error
+            handover = None if choice is None else choice.handover
+            entries.append(Entry(name, tracker, law_from, sensors, start, handover))
+    tracked: dict[str, Tracked] = {}
+    since = {
+        (sensors, start): _between(heard[sensors], start, math.inf)
+        for sensors, start in dict.fromkeys((entry.sensors, entry.start) for entry in entries)
+    }
+    for twins in _twins(entries):
+        first = twins[0]
+        record = since[first.sensors, first.start]
+        prior = _prior(prepared, flight, records, first.name, first.tracker, first.start, number)
+        watched = {sensor: prepared.scenario.sensors[sensor] for sensor in first.sensors}
+        trackers = [entry.tracker for entry in twins]
+        ahead = LookAhead(trackers, flight, record.arrival, watched)
+        one = as_one(trackers, record.z.shape[2])
+        tracks = apart(run_tracker(one, *repeated(record, prior, len(twins)), first.start, ahead), len(twins))
+        for entry, followed, looked in zip(twins, tracks, ahead.figures(), strict=True):
+            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
+                judged = judge(flight, watched, chart_height(prepared), followed, record)
+                seen = CONFORMANCE.watch(entry.tracker, followed)
+                judged["conformance"] = conformance.figures(seen, prepared.departure)
+                tracked[entry.name] = Tracked(followed, record, entry.law_from).light()
+            figures[entry.name] |= {"look_ahead": looked, **judged}
+    return {name: tracked[name] for name in choices if name in tracked}, figures
+
+
+class Entry(NamedTuple):
+    """A tracker that has something to track."""
+
+    name: str
+    tracker: Any
+    law_from: str | None
+    sensors: tuple[str, ...]
+    start: float  # s
+    handover: str | None
+
+
+def _twins(entries: list[Entry]) -> list[list[Entry]]:
+    """The entries, those together that can run as one."""
+    groups: list[list[Entry]] = []
+    for entry in entries:
+        for group in groups:
+            same = group[0].sensors == entry.sensors and group[0][4:] == entry[4:]
+            if same and alike(group[0].tracker, entry.tracker):
+                group.append(entry)
+                break
+        else:
+            groups.append([entry])
+    return groups
 
 
 def begins(

@@ -1,0 +1,75 @@
+"""Twins: trackers that differ only in the law they are told run as one, their runs side by side.
+
+A law takes arrays for its gains and limits, one value per run, and a step over twice the runs costs little more than a
+step over the runs: most of it is the setting-up of array operations.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from tracking.gaussian import Gaussian
+from tracking.track import Measurements, Track
+
+
+def alike(one: Any, other: Any) -> bool:
+    """Whether two trackers can run as one: of one class, told laws of one class, all else equal.
+
+    The bank limit must be equal too, because it plans the turns of the route.
+    """
+    if type(one) is not type(other) or not dataclasses.is_dataclass(one) or not hasattr(one, "law"):
+        return False
+    if type(one.law) is not type(other.law) or one.law.bank_limit != other.law.bank_limit:
+        return False
+    return all(
+        getattr(one, field.name) == getattr(other, field.name)
+        for field in dataclasses.fields(one)
+        if field.init and field.name != "law"
+    )
+
+
+def as_one(trackers: list[Any], runs: int) -> Any:
+    """One tracker for ``runs`` runs of each of several that are `alike`, those of the first before the others'."""
+    if all(tracker is trackers[0] for tracker in trackers):
+        return trackers[0]
+    laws = [tracker.law for tracker in trackers]
+    told = {}
+    for field in dataclasses.fields(laws[0]):
+        values = [getattr(law, field.name) for law in laws]
+        if values != [values[0]] * len(values):
+            told[field.name] = np.repeat(values, runs)
+    return dataclasses.replace(trackers[0], law=dataclasses.replace(laws[0], **told))
+
+
+def repeated(record: Measurements, prior: Gaussian, times: int) -> tuple[Measurements, Gaussian]:
+    """The measurements and the prior once for each twin."""
+    if times == 1:
+        return record, prior
+
+    def again(array: Any, matrix_axes: int) -> Any:
+        shared = array.ndim == matrix_axes or array.shape[-1] == 1
+        return array if shared else np.concatenate([array] * times, axis=-1)
+
+    z = np.concatenate([record.z] * times, axis=-1)
+    return (
+        Measurements(record.channels, record.time, record.arrival, z, again(record.R, 3)),
+        Gaussian(np.concatenate([prior.mean] * times, axis=-1), again(np.asarray(prior.cov), 2)),
+    )
+
+
+def apart(track: Track, twins: int) -> list[Track]:
+    """The track of each twin."""
+    runs = track.mean.shape[-1] // twins
+    tracks = []
+    for twin in range(twins):
+        own = slice(twin * runs, (twin + 1) * runs)
+        parts = {
+            name: array if array is None or (name == "cov" and array.shape[-1] == 1) else array[..., own]
+            for name, array in track._asdict().items()
+            if name not in ("channels", "time")
+        }
+        tracks.append(track._replace(**parts))
+    return tracks
