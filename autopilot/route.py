@@ -109,6 +109,7 @@ class Route:
     time_to_roll: float = 2.8  # s, by which the turn lags behind its plan; see Designed.time_to_roll
     _lines: tuple[tuple[float, ...], ...] = field(init=False, repr=False, compare=False)  # end, direction, course
     _table: Any = field(init=False, repr=False, compare=False)  # the same (5, legs)
+    _near: dict[tuple[float, float], Any] = field(init=False, repr=False, compare=False)  # see _near_turns
 
     def __post_init__(self) -> None:
         if not self.legs:
@@ -123,6 +124,7 @@ class Route:
             )
         object.__setattr__(self, "_lines", tuple((*leg.end, *leg.direction, leg.course) for leg in self.legs))
         object.__setattr__(self, "_table", np.array(self._lines).T)
+        object.__setattr__(self, "_near", {})
 
     @overload
     def deviation(self, leg: int, position: Any, velocity: Any, heading: Any = None) -> PathDeviation: ...
@@ -215,24 +217,36 @@ class Route:
             to_go = (end_north - north) * along_north + (end_east - east) * along_east
             airspeed = math.hypot(velocity_north - self.wind[0], velocity_east - self.wind[1])
             return leg + 1 if to_go < self.turn(leg, max(airspeed, self._least_airspeed), bank_limit).entry else leg
-        shape = np.broadcast_shapes(np.shape(leg), np.shape(north))
-        leg = np.broadcast_to(leg, shape)
         end_north, end_east, along_north, along_east, _ = self._table[:, leg]
         to_go = (end_north - north) * along_north + (end_east - east) * along_east
         airspeed = np.hypot(np.subtract(velocity_north, self.wind[0]), np.subtract(velocity_east, self.wind[1]))
+        fastest = float(np.fmax.reduce(airspeed, axis=None, initial=self._least_airspeed))  # lost runs are NaN
+        near = (
+            to_go < self._near_turns(10.0 * math.ceil(fastest / 10.0) if fastest < 1e3 else math.inf, bank_limit)[leg]
+        )
+        if not near.any():
+            return leg
         airspeed = np.maximum(airspeed, self._least_airspeed)
-        following = leg
-        for number in range(len(self.legs) - 1):
-            here = leg == number
-            if not here.any():
-                continue
-            fastest = float(airspeed.max(where=here, initial=self._least_airspeed))
-            # nobody can be near a turn whose entry, doubled for what the wind may do to it, is not yet reached
-            if float(to_go.min(where=here, initial=math.inf)) > 2.0 * self.turn(number, fastest, bank_limit).entry:
-                continue
-            due = to_go < self.turn(number, airspeed, bank_limit).entry
-            following = np.where(here & due, number + 1, following)
+        leg = following = np.broadcast_to(leg, near.shape)
+        for number in np.unique(leg[near]).tolist():
+            due = near & (leg == number) & (to_go < self.turn(number, airspeed, bank_limit).entry)
+            following = np.where(due, number + 1, following)
         return following
+
+    def _near_turns(self, airspeed: float, bank_limit: float) -> Any:
+        """(legs,) distances to go, m, beyond which nobody slower than ``airspeed`` can be due for the next turn.
+
+        An entry grows with the speed; it is doubled for what the wind may do to it.
+        """
+        known = self._near.get((airspeed, bank_limit))
+        if known is None:
+            turns = range(len(self.legs) - 1)
+            entries = [
+                2.0 * self.turn(number, airspeed, bank_limit).entry if airspeed < math.inf else math.inf
+                for number in turns
+            ]
+            known = self._near.setdefault((airspeed, bank_limit), np.array([*entries, -math.inf]))
+        return known
 
     @property
     def _least_airspeed(self) -> float:

@@ -15,6 +15,8 @@ from typing import Annotated, Any, NamedTuple, Protocol
 import numpy as np
 from scipy.linalg import expm
 
+from tracking.gaussian import lift
+
 Array = Any
 
 GRAVITY = 9.80665  # m/s2
@@ -239,6 +241,35 @@ def turn_rate_of(bank: Array, speed: Array) -> Array:
     return GRAVITY * np.tan(bank) / speed
 
 
+# sin(t)/t, (1 - cos t)/t^2, (sin(t)/t)'/t and ((1 - cos t)/t)' in powers of t^2, to rounding for |t| < 0.1
+_SMALL_TURN = np.array(
+    [
+        [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362880.0],
+        [1.0 / 2.0, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40320.0, 1.0 / 3628800.0],
+        [-1.0 / 3.0, 1.0 / 30.0, -1.0 / 840.0, 1.0 / 45360.0, -1.0 / 3991680.0],
+        [1.0 / 2.0, -1.0 / 8.0, 1.0 / 144.0, -1.0 / 5760.0, 1.0 / 403200.0],
+    ]
+)
+
+
+def _turn_series(t: Array) -> Array:
+    """(4, *B): the four functions of `_SMALL_TURN` at t, whatever its size."""
+    square = t * t
+    if np.max(square) < 0.01:  # the usual case: a sub-step of a turn; NaN of a lost run goes the other way
+        coefficients = lift(_SMALL_TURN.T, 2, t.ndim)
+        value = coefficients[4] * square
+        for coefficient in coefficients[3:0:-1]:
+            value += coefficient
+            value *= square
+        value += coefficients[0]
+        return value
+    small = np.abs(t) < 0.1
+    near = _turn_series(np.where(small, t, 0.0))
+    far = np.where(small, 1.0, t)
+    s, rise = np.sin(far) / far, 2.0 * np.sin(0.5 * far) ** 2 / far
+    return np.where(small, near, np.array([s, rise / far, (np.cos(far) - s) / far**2, s - rise / far]))
+
+
 def course_kinematics(mean: Array, bank: Array, dt: float) -> tuple[Array, Array]:
     """State after dt at a constant bank, and its Jacobian (4, 4, *B), the bank taken as known.
 
@@ -246,28 +277,40 @@ def course_kinematics(mean: Array, bank: Array, dt: float) -> tuple[Array, Array
     effect on the turn rate is in the Jacobian.
     """
     north_rate, east_rate = mean[1], mean[3]
-    square = np.maximum(north_rate**2 + east_rate**2, 1.0)  # a target at rest has no course: no rate below 1 m/s
-    turn_rate = turn_rate_of(bank, np.sqrt(square))
-    F = turn_transition(dt, turn_rate)
-    moved = np.einsum("ij...,j...->i...", F, mean)
-    # d moved / d turn_rate: the end velocity is rotated on by dt, the displacement grows by what is left of the turn.
-    t = turn_rate * dt
-    half = np.sinc(t / (2.0 * math.pi))
-    small = np.abs(t) < 0.1
-    safe = np.where(small, 1.0, t)
-    d_sine = np.where(small, -t / 3.0 + t**3 / 30.0 - t**5 / 840.0, (t * np.cos(t) - np.sin(t)) / safe**2)
-    d_rise = np.where(small, 0.5 - t**2 / 8.0 + t**4 / 144.0, np.sin(t) / safe - 0.5 * half**2)
-    change = np.stack(
-        [
-            dt**2 * (d_sine * north_rate - d_rise * east_rate),
-            -dt * moved[3],
-            dt**2 * (d_rise * north_rate + d_sine * east_rate),
-            dt * moved[1],
-        ]
-    )
-    zero = np.zeros_like(north_rate)
-    gradient = np.stack([zero, -turn_rate * north_rate / square, zero, -turn_rate * east_rate / square])
-    return moved, F + change[:, None] * gradient
+    square = np.maximum(north_rate * north_rate + east_rate * east_rate, 1.0)  # a target at rest has no course
+    t = turn_rate_of(bank, np.sqrt(square)) * dt
+    sine, rise, d_sine, d_rise = _turn_series(t)
+    rise = t * rise
+    along, across = dt * sine, dt * rise  # the way flown, as shares of the velocity and of the velocity turned right
+    cosine, sine = 1.0 - t * rise, t * sine
+    moved = np.empty((4, *t.shape))
+    moved[0] = mean[0] + along * north_rate - across * east_rate
+    moved[1] = cosine * north_rate - sine * east_rate
+    moved[2] = mean[2] + across * north_rate + along * east_rate
+    moved[3] = sine * north_rate + cosine * east_rate
+    # d moved / d t: the end velocity is rotated on, the displacement grows by what is left of the turn;
+    # d t / d velocity = -t velocity / V^2
+    share = -t / square
+    change = np.empty_like(moved)
+    d_along, d_across = dt * t * d_sine, dt * d_rise
+    change[0] = d_along * north_rate - d_across * east_rate
+    change[1] = -moved[3]
+    change[2] = d_across * north_rate + d_along * east_rate
+    change[3] = moved[1]
+    change *= share
+    F = np.zeros((4, 4, *t.shape))
+    F[0, 0] = F[2, 2] = 1.0
+    F[:, 1] = change * north_rate
+    F[:, 3] = change * east_rate
+    F[0, 1] += along
+    F[1, 1] += cosine
+    F[2, 1] += across
+    F[3, 1] += sine
+    F[0, 3] -= across
+    F[1, 3] -= sine
+    F[2, 3] += along
+    F[3, 3] += cosine
+    return moved, F
 
 
 @dataclass(frozen=True)

@@ -259,11 +259,13 @@ def embed(normal: Array, across: Array, along: Array) -> Array:
         return across
     batch = max(across.ndim - 2, normal.ndim - 1)
     normal, across, along = lift(normal, 1, batch), lift(across, 2, batch), lift(along, 2, batch)
-    square = normal[:, None] * normal
-    same = lift(np.eye(len(normal)), 2, batch)
-    blocks = same[:, None, :, None] * along[None, :, None] + square[:, None, :, None] * (across - along)[None, :, None]
-    size = 2 * len(normal)
-    return blocks.reshape(size, size, *blocks.shape[4:])
+    difference = across - along
+    matrix = np.empty((len(normal), 2, len(normal), 2, *np.broadcast_shapes(normal.shape[1:], across.shape[2:])))
+    for i in range(len(normal)):
+        for j in range(len(normal)):
+            np.multiply(normal[i] * normal[j], difference, out=matrix[i, :, j])
+        matrix[i, :, i] += along
+    return matrix.reshape(2 * len(normal), 2 * len(normal), *matrix.shape[4:])
 
 
 @lru_cache(maxsize=64)

@@ -101,6 +101,24 @@ def test_leg_switches_at_the_entry_for_each_run_of_a_batch():
     assert singles == [0, 0, 1, 1]
 
 
+def test_a_batch_changes_legs_as_each_of_its_runs_does_alone():
+    """Wild estimates too: far from the route, hardly moving, faster than sound, lost; one leg further at the most."""
+    route = pattern_route("left", 400.0, 7000.0, 13800.0, 72.0, 69.0, 300.0, 1.4, wind=(4.0, -6.0))
+    generator = np.random.default_rng(8)
+    runs = 300
+    leg = generator.integers(0, 3, runs)
+    north, east = 15000.0 * generator.standard_normal((2, runs))
+    velocity = generator.choice([3.0, 70.0, 700.0], runs) * generator.standard_normal((2, runs))
+    north[-1] = np.nan
+    batch = route.sequence(leg, (north, east), velocity, BANK)
+    singles = [
+        route.sequence(one, (n, e), v, BANK)
+        for one, n, e, v in zip(leg.tolist(), north.tolist(), east.tolist(), velocity.T.tolist(), strict=True)
+    ]
+    assert batch.tolist() == singles
+    assert set((batch - leg).tolist()) == {0, 1}
+
+
 def test_mirrored_patterns_mirror_exactly():
     wind = (3.0, 7.0)
     left = pattern_route("left", 400.0, 7000.0, 13800.0, 72.0, 69.0, 300.0, 0.0, wind)

@@ -68,6 +68,8 @@ class RouteControl:
 def turned(path: Legs, mean: Any, bank: Any, dt: float) -> tuple[Any, Any]:
     """State after dt at a constant bank, and its Jacobian; it is the velocity through the air that turns."""
     north, east = path.wind
+    if not (north or east):
+        return course_kinematics(mean, bank, dt)
     moved, F = course_kinematics(mean - _drift(north, east, 0.0, mean), bank, dt)
     return moved + _drift(north, east, dt, mean), F
 
@@ -95,9 +97,11 @@ def autonomous(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Gaussi
     north_rate, east_rate = mean[1] - path.wind[0], mean[3] - path.wind[1]
     speed = np.maximum(np.hypot(north_rate, east_rate), 1.0)
     push = GRAVITY / np.cos(control.bank) ** 2 / speed
-    north, east = -east_rate * push, north_rate * push
-    effect = np.stack([0.5 * dt**2 * north, dt * north, 0.5 * dt**2 * east, dt * east])
-    return predict(state.gaussian, F + effect[:, None] * gradient, Q)._replace(mean=mean)
+    effect = dt * np.stack([-east_rate * push, north_rate * push])[:, None] * gradient  # on the velocity
+    F[1::2] += effect
+    effect *= 0.5 * dt  # on the position
+    F[0::2] += effect
+    return predict(state.gaussian, F, Q)._replace(mean=mean)
 
 
 def _drift(north: float, east: float, dt: float, mean: Any) -> Any:

@@ -38,7 +38,7 @@ class SaturatedControl:
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
     acceleration_density: Annotated[float, "m2/s3"] = 0.1
-    sub_step: Annotated[float, "s"] = 0.1
+    sub_step: Annotated[float, "s"] = 0.5
 
     def __post_init__(self) -> None:
         check_tuning(self.acceleration_density, self.sub_step)
