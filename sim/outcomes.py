@@ -11,6 +11,7 @@ from autopilot.route import Route
 
 LONGEST_FLIGHT = 1800.0  # s
 TOUCHDOWN_BOX = (60.0, 823.0)  # m past the threshold [CS AWO.A.ALS.106, from memory]
+TOUCHDOWN_ASIDE = 21.0  # m off the centreline, of the same box: no scenario knows how wide its runway is
 HARDEST_LANDING = 3.05  # m/s, 10 ft/s, the limit sink of the landing gear [CS 25.473]
 
 
@@ -65,9 +66,10 @@ class Judge:
 
     def _contact(self, state: AircraftState) -> tuple[str, str] | None:
         past, across = self.limits.runway.from_local(state.north, state.east)
-        here = f"{past:.0f} m past the threshold, {abs(across):.1f} m off the centreline, sink {self.sink:.2f} m/s"
+        along = f"{abs(past):.0f} m {'past' if past >= 0.0 else 'before'} the threshold"
+        here = f"{along}, {abs(across):.1f} m off the centreline, sink {self.sink:.2f} m/s"
         self.touched = where = self.touched or here
-        in_box = TOUCHDOWN_BOX[0] <= past <= TOUCHDOWN_BOX[1]
+        in_box = TOUCHDOWN_BOX[0] <= past <= TOUCHDOWN_BOX[1] and abs(across) <= TOUCHDOWN_ASIDE
         if not in_box or self.sink > HARDEST_LANDING or state.height < -1.0:
             return "ground", f"touched the ground {where}"
         return ("landed", f"landed {where}") if state.main_wheels >= 1.0 else None
