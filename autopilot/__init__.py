@@ -8,7 +8,8 @@ on; nothing is remembered elsewhere, so the same text of a law also serves track
 - ``modes``: one file per law, a pure function of the deviation with its own limits
 - ``approach``, ``landing``, ``stabilised_gate``: the phases from downwind to the ground, or around again
 - ``inner_loops``: Command -> Controls with the gains of ``design``, which come from the linear model of the aircraft
-- ``analysis``: poles, margins, limit cycles and predictions of the route law, its phase portrait
+- ``analysis``: poles and predictions of the route law, its phase portrait
+- ``route_loop``, ``describing_functions``, ``limit_cycles``: its margins and the oscillations that its limits sustain
 
 Knows the airframe only by what passes between them, ``aircraft.state`` and ``aircraft.units``.
 """

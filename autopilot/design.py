@@ -240,10 +240,14 @@ def lateral_law(bank_bandwidth: float, speed: float, bank_limit: float) -> Later
     """
     closing = speed * math.sin(INTERCEPT)
     authority = BANK_SHARE * STANDARD_GRAVITY * math.tan(bank_limit) / (intercept_peak(LAW_DAMPING) * closing)
-    frequency = min(LAW_SHARE * bank_bandwidth, authority)
+    return law_of_frequency(min(LAW_SHARE * bank_bandwidth, authority), speed, bank_limit)
+
+
+def law_of_frequency(frequency: float, speed: float, bank_limit: float) -> LateralNavigation:
+    """The route law of a natural frequency (rad/s), with intercepts at 30 degrees of the speed (m/s)."""
     k1 = frequency**2 / STANDARD_GRAVITY
     k2 = 2.0 * LAW_DAMPING * frequency / STANDARD_GRAVITY
-    cross_track_limit = k2 / k1 * closing
+    cross_track_limit = k2 / k1 * (speed * math.sin(INTERCEPT))
     return LateralNavigation(
         k1, k2, bank_limit, cross_track_limit, RATE_MARGIN * (k1 * cross_track_limit + bank_limit) / k2
     )

@@ -134,41 +134,6 @@ def test_kinematic_prediction_tends_to_the_double_integrator_for_small_angles_an
     np.testing.assert_allclose(kinematic.cross_track, limited.cross_track, atol=1.5)
 
 
-@pytest.mark.parametrize("amplitude", [0.5, 1.0, 1.5, 3.0, 10.0])
-def test_describing_function_is_that_of_python_control(amplitude):
-    judge = control.describing_function(control.saturation_nonlinearity(1.0), amplitude, num_points=20000)
-    # the judge integrates numerically
-    assert analysis.saturation_describing_function(amplitude, 1.0) == pytest.approx(abs(judge), abs=1e-5)
-
-
-def test_margins_shrink_with_a_faster_law_until_the_bank_limit_sustains_a_cycle(point):
-    frequency = design.REFERENCE_SHARE * design.bank_bandwidth(point)
-
-    def law(natural):
-        return LateralNavigation(natural**2 / G, 2.0 * 0.9 * natural / G, math.radians(15.0), 1e9, 1e9)
-
-    slow, quick = law(0.15), law(0.4)
-    assert analysis.margins(slow, point, frequency).gain > analysis.margins(quick, point, frequency).gain > 1.0
-    assert analysis.margins(slow, point, frequency).phase > math.radians(60.0)
-    assert analysis.limit_cycle(slow, point, frequency) is None
-    wild = law(1.5)
-    cycle = analysis.limit_cycle(wild, point, frequency)
-    assert cycle is not None
-    # harmonic balance: the loop turns the phase by 180 deg at the cycle's frequency
-    response = complex(analysis.outer_loop(wild, point, frequency)(1j * 2.0 * math.pi / cycle.period))
-    assert response.imag == pytest.approx(0.0, abs=1e-6)
-    assert response.real < -1.0
-
-
-@pytest.mark.parametrize("natural", [0.15, 0.4, 1.5])
-def test_margins_are_those_of_python_control(point, natural):
-    frequency = design.REFERENCE_SHARE * design.bank_bandwidth(point)
-    law = LateralNavigation(natural**2 / G, 1.8 * natural / G, math.radians(15.0), 1e9, 1e9)
-    gain, phase, turned, level = control.margin(analysis.outer_loop(law, point, frequency))
-    ours = analysis.margins(law, point, frequency)
-    assert ours == pytest.approx((gain, math.radians(phase), turned, level), rel=1e-6)
-
-
 def test_phase_portrait_curves_are_where_the_law_says():
     z = np.linspace(-3000.0, 3000.0, 41)
     portrait = analysis.phase_portrait(PAPER, z)

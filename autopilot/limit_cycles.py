@@ -1,0 +1,156 @@
+"""Limit cycles of the route loop: oscillations that the bank limit and the roll-rate limit sustain.
+
+Harmonic balance: an oscillation sustains itself where the gain of both limits times that of the linear loop behind
+them is one. Above the frequency at which the linear loop is unstable the bank limit bounds what grows; below it the
+roll-rate limit can sustain what is large enough, although everything small fades away.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import bisect
+
+from autopilot.describing_functions import SAMPLES, harmonics, limited_wave, limits_describing_function
+from autopilot.design import law_of_frequency
+from autopilot.modes.lateral_navigation import LateralNavigation
+from autopilot.route_loop import (
+    AILERON,
+    BANK,
+    CROSS_TRACK,
+    CROSS_TRACK_RATE,
+    SLOWEST,
+    STEP,
+    RouteLoop,
+    linear_onset,
+    response,
+)
+
+AMPLITUDES = np.geomspace(0.01, 30.0, 160)  # of what the law asks for, over the bank limit
+FREQUENCIES = 240
+LOWEST, HIGHEST = 0.004, 3.0  # of the bandwidth of the bank loop
+HARMONICS = 12  # odd ones, of which a wave is put together
+
+
+class LimitCycle(NamedTuple):
+    """An oscillation that sustains itself; amplitudes are half the way from peak to peak."""
+
+    period: float  # s
+    bank: float  # rad
+    cross_track: float  # m
+    demand: float  # rad, amplitude of the bank that the law asks for
+    aileron: float  # share of full that is asked for at most; above 1 the aileron is at its stop and limits too
+    is_stable: bool  # whether what is near comes to it; an unstable one divides what fades from what stays
+
+
+class LimitedLoop(NamedTuple):
+    """A route loop with its limits on a grid of amplitudes and frequencies; good for every law."""
+
+    loop: RouteLoop
+    bank_limit: float  # rad
+    rate_limit: float  # rad/s
+    frequency: Any  # (k,) rad/s
+    response: Any  # (4, k) of the loop
+    gain: Any  # (amplitudes, k) of the limits
+
+
+def limited_loop(loop: RouteLoop, bank_limit: float, rate_limit: float) -> LimitedLoop:
+    """The loop with a bank limit (rad) and a roll-rate limit of the command (rad/s)."""
+    highest = min(HIGHEST * loop.bandwidth, 0.9 * math.pi / STEP)
+    frequency = np.geomspace(LOWEST * loop.bandwidth, highest, FREQUENCIES)
+    gain = limits_describing_function(AMPLITUDES[:, None] * bank_limit, frequency, bank_limit, rate_limit)
+    return LimitedLoop(loop, bank_limit, rate_limit, frequency, response(loop, frequency), gain)
+
+
+def limit_cycles(limited: LimitedLoop, law: LateralNavigation) -> tuple[LimitCycle, ...]:
+    """All limit cycles of a law, by rising demand.
+
+    For each amplitude the oscillation has the frequency at which the loop with its limits turns the phase round; where
+    its gain there passes through one is a limit cycle, which is stable if the gain falls as the amplitude grows. The
+    law's own limits of deviation and rate are taken as out of reach.
+    """
+    balances, _ = _balances(limited, law)
+    return tuple(_described(limited, *balance) for balance in balances)
+
+
+class Balance(NamedTuple):
+    """A demand and a frequency that sustain themselves."""
+
+    demand: float  # rad
+    frequency: float  # rad/s
+    is_stable: bool
+
+
+def _balances(limited: LimitedLoop, law: LateralNavigation) -> tuple[list[Balance], bool]:
+    """Balances by rising demand, between the points of the grid, and whether the smallest oscillation grows."""
+    asked = -(law.k1 * limited.response[CROSS_TRACK] + law.k2 * limited.response[CROSS_TRACK_RATE])
+    frequency, gain = _turned(limited.frequency, limited.gain * asked)
+    found = []
+    for i in range(len(gain) - 1):
+        if (gain[i] > 1.0) is not (gain[i + 1] > 1.0) and np.isfinite(gain[i] + gain[i + 1]):
+            share = math.log(gain[i]) / math.log(gain[i] / gain[i + 1])
+            demand = limited.bank_limit * AMPLITUDES[i] * (AMPLITUDES[i + 1] / AMPLITUDES[i]) ** share
+            at = frequency[i] * (frequency[i + 1] / frequency[i]) ** share
+            found.append(Balance(float(demand), float(at), bool(gain[i] > 1.0)))
+    return found, bool(gain[0] > 1.0)
+
+
+def _turned(frequency: Any, around: Any) -> tuple[Any, Any]:
+    """Frequency and gain, for each amplitude (rows), at which the phase first falls through zero; nan where never."""
+    falls = (around.imag[:, :-1] > 0.0) & (around.imag[:, 1:] <= 0.0) & (around.real[:, 1:] > 0.0)
+    at = np.argmax(falls, axis=1)
+    rows = np.arange(len(around))
+    before, after = around[rows, at], around[rows, at + 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = before.imag / (before.imag - after.imag)
+    gain = before.real + share * (after.real - before.real)
+    turned = frequency[at] * (frequency[at + 1] / frequency[at]) ** share
+    never = ~falls.any(axis=1)
+    return np.where(never, np.nan, turned), np.where(never, np.nan, gain)
+
+
+def _described(limited: LimitedLoop, demand: float, frequency: float, is_stable: bool) -> LimitCycle:
+    """The waves of the outputs from the harmonics of the limited command."""
+    wave = limited_wave(demand, frequency, limited.bank_limit, limited.rate_limit)
+    count = int(min(HARMONICS, 0.9 * math.pi / STEP / frequency // 2))
+    orders = np.arange(1, 2 * count, 2)
+    outputs = harmonics(wave, count) * response(limited.loop, orders * frequency)
+    angle = math.tau * np.arange(SAMPLES) / SAMPLES
+    waves = (outputs[:, :, None] * np.exp(1j * orders[:, None] * angle)).imag.sum(axis=1)
+    height = 0.5 * np.ptp(waves, axis=1)
+    period = math.tau / frequency
+    return LimitCycle(
+        period, float(height[BANK]), float(height[CROSS_TRACK]), demand, float(height[AILERON]), is_stable
+    )
+
+
+def least_offset(limited: LimitedLoop, law: LateralNavigation) -> float:
+    """Cross-track offset, m, from which an aircraft at rest beside the line is caught by an oscillation.
+
+    At rest beside the line the law asks at once for k1 z, and no more: a peak of its demand. What is above the demand
+    of an unstable limit cycle stays; zero where everything does, infinite where all fades away.
+    """
+    balances, grows = _balances(limited, law)
+    if grows:
+        return 0.0
+    return min((one.demand for one in balances if not one.is_stable), default=math.inf) / float(law.k1)
+
+
+def onset(limited: LimitedLoop, cross_track: float) -> float:
+    """Smallest natural frequency of the law, rad/s, whose oscillation lasts when begun at rest beside the line (m)."""
+    loop = limited.loop
+
+    def lasts(frequency: float) -> float:
+        law = law_of_frequency(frequency, loop.speed, limited.bank_limit)
+        return 1.0 if least_offset(limited, law) <= cross_track else -1.0
+
+    linear = linear_onset(loop, limited.bank_limit)
+    highest = min(linear, loop.bandwidth)
+    frequencies = np.geomspace(SLOWEST * loop.bandwidth, highest, 60)
+    for low, high in itertools.pairwise(frequencies):
+        if lasts(high) > 0.0:
+            return float(bisect(lasts, low, high, xtol=1e-4 * high)) if lasts(low) < 0.0 else float(low)
+    return linear
