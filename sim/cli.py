@@ -165,7 +165,11 @@ def claims(
     if out is not None:
         claim(out, "claims")
     seed = ledger.SEED if seed is None else seed
-    rows = list(ledger.measured(chosen, seed, quick, _progress()))
+    try:
+        rows = list(ledger.measured(chosen, seed, quick, _progress(), out))
+    except KeyboardInterrupt:
+        typer.echo("stopped" if out is None else "stopped; the rows are kept; the same command goes on", err=True)
+        raise typer.Exit(STOPPED) from None
     if out is not None:
         from sim.reporting.claims_page import write
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from sim.errors import ScenarioError, did_you_mean
@@ -31,11 +32,25 @@ def plots_of(paper: str, seed: int = SEED) -> tuple[Any, ...]:
     return tuple(import_module(f"sim.claims.{paper}").plots(seed))
 
 
-def measured(papers: Iterable[str] = (), seed: int = SEED, quick: bool = False, progress: Any = None) -> Iterator[Any]:
-    """Rows of the ledger, one after the other; ``progress`` wraps the work as `sim.progress.bar` does."""
-    from sim.claims.ledger import measure
+def measured(
+    papers: Iterable[str] = (), seed: int = SEED, quick: bool = False, progress: Any = None, folder: Path | None = None
+) -> Iterator[Any]:
+    """Rows of the ledger, one after the other; ``progress`` wraps the work as `sim.progress.bar` does.
 
+    Rows are kept in ``folder`` until the pages are written there: an interrupted ledger goes on where it was stopped.
+    """
+    from sim.claims import kept
+    from sim.claims.ledger import Row, measure
+
+    mark = "" if folder is None else kept.stamp(seed, quick)
+    found = {} if folder is None else kept.load(folder, mark)
     work = [(paper, claim) for paper in chosen(papers) for claim in claims_of(paper)]
     shown = work if progress is None else progress(work, len(work), "claims")
     for paper, claim in shown:
-        yield measure(paper, claim, seed, quick)
+        if (paper, claim.name) in found:
+            yield Row(paper, claim, seed, found[paper, claim.name])
+            continue
+        row = measure(paper, claim, seed, quick)
+        if folder is not None:
+            kept.keep(folder, mark, row)
+        yield row

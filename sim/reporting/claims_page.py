@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.claims import plots_of
+from sim.claims import kept, plots_of
 from sim.claims.ledger import Row
 from sim.claims.plots import Plot
 from sim.claims.text import figure, interval, summary
@@ -36,6 +36,7 @@ def write(folder: Path, rows: Sequence[Row], seed: int) -> None:
             own = [row for row in rows if row.paper == paper]
             text = page(f"Claims of {paper}", own, {paper: charts[paper]}, seed)
             (place / f"{paper}.html").write_text(text, encoding="utf-8")
+    (folder / kept.FILE).unlink(missing_ok=True)
 
 
 def page(title: str, rows: Sequence[Row], charts: dict[str, list[style.Chart]], seed: int) -> str:

@@ -195,14 +195,47 @@ def test_the_command_writes_json_and_pages_and_exits_0_whatever_the_verdicts(tmp
     assert json.loads((tmp_path / "out" / "claims.json").read_text()) == [row]
 
 
-def test_an_interrupted_command_leaves_nothing_half_written(tmp_path, monkeypatch):
-    def interrupted(*given):
-        yield made()
+def some_claim(name: str, asked: list[str]) -> Claim:
+    def measured(seed, runs):
+        asked.append(name)
+        return exactly(float(len(name)))
+
+    return Claim(name, "made", "here", above(1.0), (Reading("only", measured),))
+
+
+def test_an_interrupted_command_goes_on_where_it_was_stopped(tmp_path, monkeypatch):
+    asked: list[str] = []
+    first, second = (some_claim(name, asked) for name in ("one", "three"))
+    monkeypatch.setattr("sim.reporting.claims_page.plots_of", lambda paper, seed: ())
+    monkeypatch.setattr("sys.argv", ["shortfinal", "claims", "glistin", "-o", str(tmp_path / "out")])
+
+    def stopped(seed, runs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(claims, "measured", interrupted)
-    monkeypatch.setattr("sys.argv", ["shortfinal", "claims", "-o", str(tmp_path / "out")])
-    with pytest.raises(SystemExit) as stopped:
+    torn = Claim("three", "made", "here", above(1.0), (Reading("only", stopped),))
+    monkeypatch.setattr(claims, "claims_of", lambda paper: (first, torn))
+    with pytest.raises(SystemExit) as ended:
         main()
-    assert stopped.value.code == 130
-    assert [path.name for path in (tmp_path / "out").iterdir()] == [".shortfinal"]
+    assert ended.value.code == 130
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [".shortfinal", "rows.jsonl"]
+    with (tmp_path / "out" / "rows.jsonl").open("a") as file:
+        file.write('{"stamp": "to')  # what a kill tears
+    monkeypatch.setattr(claims, "claims_of", lambda paper: (first, second))
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 0
+    assert asked == ["one", "three"]
+    rows = json.loads((tmp_path / "out" / "claims.json").read_text())
+    assert [row["measured"] for row in rows] == [3.0, 5.0]
+    assert not (tmp_path / "out" / "rows.jsonl").exists()
+
+
+def test_rows_of_another_seed_or_program_are_measured_again(tmp_path, monkeypatch):
+    asked: list[str] = []
+    monkeypatch.setattr(claims, "claims_of", lambda paper: (some_claim("one", asked),))
+    for seed in (1, 1, 2):
+        list(claims.measured(["glistin"], seed, True, None, tmp_path))
+    assert asked == ["one", "one"]
+    monkeypatch.setattr("sim.claims.kept.program", lambda: "another")
+    list(claims.measured(["glistin"], 1, True, None, tmp_path))
+    assert asked == ["one", "one", "one"]

@@ -75,12 +75,9 @@ def experiment(
         angle, seen = drawn(generator, runs, STEPS, begun, chain, (1.0, factor))
     else:
         angle, seen, begun = along(generator, runs, glide(), begun.cov, chain, (1.0, factor))
-    told = replace(seen, R=EFFECTIVE * seen.R)
-    filters = {
-        "kalman": (Elevation(MEASURED), seen),
-        "effective": (Elevation(MEASURED), told),
-        "two": (SwitchingNoise(MEASURED), seen),
-    }
+    filters: dict[str, Any] = {"kalman": (Elevation(MEASURED), seen), "two": (SwitchingNoise(MEASURED), seen)}
+    if (chain, factor) == (PRINTED_CHAIN, FACTOR):
+        filters["effective"] = (Elevation(MEASURED), replace(seen, R=EFFECTIVE * seen.R))
     if chain == bursts(LONG):
         filters["markov"] = (SwitchingNoise(MEASURED, switching=chain), seen)
     settled, believed, doubts = {}, {}, []
