@@ -434,6 +434,8 @@ def _fault(model: type[BaseModel], tables: dict[str, Any], item: Any) -> str:
         "float_type": "must be a number",
         "int_type": "must be a whole number",
         "bool_type": "must be true or false",
+        "model_type": "must be a table",
+        "model_attributes_type": "must be a table",
     }.get(item["type"], message[0].lower() + message[1:])
     keys = [part for part in location if not (isinstance(part, str) and part.startswith(("function-", "constrained-")))]
     if item["type"] == "value_error":

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
-from aircraft.turbulence import ROOT_THREE, Turbulence, _second_order
+from aircraft.turbulence import ROOT_THREE, Turbulence, _second_order, across_spectrum, along_spectrum
 from aircraft.turbulence_intensity import INTENSITIES, intensity
 from aircraft.wind import SteadyWind, steady_wind
 
@@ -139,3 +140,48 @@ def test_wind_from_the_west_moves_east():
 def test_impossible_turbulence_is_refused(wind_at_20_ft, rate):
     with pytest.raises(ValueError, match="must"):
         Turbulence(wind_at_20_ft, np.random.default_rng(1), rate=rate)
+
+
+# ---- aloft, and the spectra --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("severity", "feet", "printed"),
+    [("light", 3750.0, 7.4), ("moderate", 7500.0, 10.1), ("severe", 15000.0, 22.1), ("light", 60000.0, 0.0)],
+)
+def test_aloft_the_intensity_is_that_of_the_figure_and_the_same_in_every_direction(severity, feet, printed):
+    now = intensity(feet * 0.3048, INTENSITIES[severity])
+    assert (now.sigma_along, now.sigma_up) == pytest.approx((printed * 0.3048, printed * 0.3048))
+    assert (now.length_along, now.length_up) == pytest.approx((1750.0 * 0.3048, 1750.0 * 0.3048))
+
+
+@pytest.mark.parametrize("severity", list(INTENSITIES))
+def test_from_1000_to_2000_ft_all_four_values_go_linearly(severity):
+    below, middle, above = (intensity(feet * 0.3048, INTENSITIES[severity]) for feet in (1000.0, 1500.0, 2000.0))
+    assert middle == pytest.approx([(low + high) / 2.0 for low, high in zip(below, above, strict=True)])
+    for feet, there in ((1000.0, below), (2000.0, above)):
+        assert intensity(feet * 0.3048 + 1e-6, INTENSITIES[severity]) == pytest.approx(there, rel=1e-6)
+
+
+def test_more_wind_near_the_ground_is_more_turbulence_aloft():
+    sigmas = [intensity(1000.0, wind).sigma_up for wind in (0.0, 4.0, 7.7, 12.0, 15.4, 20.0, 23.2, 40.0)]
+    assert sigmas[0] == 0.0
+    assert sigmas == sorted(sigmas)
+
+
+@pytest.mark.parametrize(
+    ("spectrum", "correlation"),
+    [(along_spectrum, lambda x: math.exp(-x)), (across_spectrum, lambda x: math.exp(-x) * (1.0 - x / 2.0))],
+)
+def test_a_spectrum_is_the_transform_of_its_autocorrelation(spectrum, correlation):
+    """The integral of density times cosine over all frequencies; at lag zero it is the variance."""
+    airspeed, sigma, length = 60.0, 2.0, 300.0
+    for lag in (0.0, 2.0, 8.0):
+        weight = {"weight": "cos", "wvar": lag} if lag else {}
+        density, _ = quad(spectrum, 0.0, math.inf, args=(airspeed, sigma, length), **weight)
+        assert density == pytest.approx(sigma**2 * correlation(airspeed * lag / length), abs=1e-6)
+
+
+def test_spectra_fall_with_the_square_of_the_frequency():
+    for spectrum in (along_spectrum, across_spectrum):
+        assert spectrum(200.0, 60.0, 2.0, 300.0) / spectrum(100.0, 60.0, 2.0, 300.0) == pytest.approx(0.25, rel=1e-3)
