@@ -6,6 +6,7 @@ import importlib.util
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from types import ModuleType
 from xml.etree import ElementTree
@@ -66,7 +67,9 @@ def test_a_tutorial_does_what_it_shows(page, tmp_path):
                 assert one == pytest.approx(other, abs=HALF_A_POINT), RENEW
 
 
-def test_the_readme_names_every_tutorial():
+def test_every_paper_has_a_tutorial_that_the_readme_names():
+    listed = tomllib.loads((ROOT / "tests" / "papers.toml").read_text(encoding="utf-8"))
+    assert {page.stem for page in PAGES} == {paper for paper, entry in listed.items() if entry["equations"]}
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert [page.stem for page in PAGES if f"](docs/tutorials/{page.name})" not in readme] == []
 
