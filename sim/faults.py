@@ -1,0 +1,118 @@
+"""Faults of a scenario file in the user's own keys and words."""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Iterable
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from aircraft.units import SUFFIXES
+from sim.errors import did_you_mean, printable
+
+MOST_FAULTS = 20  # told at once
+LONGEST_VALUE = 60  # characters of a value that is quoted
+TOLD = {  # pydantic's kind of error -> what the value must be
+    "missing": "is missing",
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "bool_type": "must be true or false",
+    "string_type": "must be text",
+    "list_type": "must be a list",
+    "tuple_type": "must be a list",
+    "dict_type": "must be a table",
+    "model_type": "must be a table",
+    "model_attributes_type": "must be a table",
+    "string_pattern_mismatch": "must start with a letter and have at most 64 letters, digits, _ and -",
+    "greater_than": "must be above {gt:g}",
+    "greater_than_equal": "must be at least {ge:g}",
+    "less_than": "must be below {lt}",
+    "less_than_equal": "must be at most {le:g}",
+    "too_long": "must have {max_length} values, not {actual_length}",
+}
+
+
+def told(origin: str, faults: Iterable[str]) -> str:
+    """One line for each different fault, and at the end how many more there are."""
+    different = list(dict.fromkeys(faults))
+    lines = [printable(f"{origin}: {fault}") for fault in different[:MOST_FAULTS]]
+    if len(different) > MOST_FAULTS:
+        lines.append(f"{origin}: and {len(different) - MOST_FAULTS} more faults")
+    return "\n".join(lines)
+
+
+def faults_of(model: type[BaseModel], error: ValidationError) -> list[str]:
+    """The faults that were found, the first of them in words; of the others only that they are there."""
+    items = error.errors(include_url=False, include_context=True)
+    return [fault(model, item) for item in items[: 2 * MOST_FAULTS]] + [
+        str(number) for number in range(2 * MOST_FAULTS, len(items))
+    ]
+
+
+def fault(model: type[BaseModel], item: Any) -> str:
+    """One fault: where it is, what is wrong, what is allowed."""
+    location = list(item["loc"])
+    if item["type"] == "extra_forbidden":
+        place, key = location[:-1], str(location[-1])
+        allowed = _keys(model, place)
+        same = [name for name in allowed if stem(name) == stem(key)]
+        hint = f"write it as {' or '.join(same[:3])}" if same and stem(key) != key else did_you_mean(key, allowed)
+        if same and stem(key) == key and key not in allowed:
+            hint = f"it needs its unit: {' or '.join(same[:3])}"
+        return f"{_place(place)}{key}: no such key; {hint}"
+    message = item["msg"].removeprefix("Value error, ")
+    plain = TOLD.get(item["type"], message[0].lower() + message[1:]).format(**item.get("ctx", {}))
+    keys = [part for part in location if not (isinstance(part, str) and part.startswith(("function-", "constrained-")))]
+    if item["type"] == "value_error":
+        return f"{_place(keys)}{plain}"
+    if item["type"] == "missing" and keys and isinstance(keys[-1], int):
+        keys, plain = keys[:-1], f"must have more than {keys[-1]} values"
+    if keys and isinstance(keys[-1], int):
+        return f"{_place(keys)}{plain}{_shown(item.get('input'))}"
+    return f"{_place(keys[:-1])}{keys[-1] if keys else ''}: {plain}{_shown(item.get('input'))}"
+
+
+def stem(key: str) -> str:
+    """A key without its unit suffix."""
+    endings = [suffix for suffix in SUFFIXES if key.endswith(f"_{suffix}")]
+    return key[: -len(max(endings, key=len)) - 1] if endings else key
+
+
+def _shown(value: Any) -> str:
+    if not isinstance(value, str | int | float | bool):
+        return ""
+    text = str(value).lower() if isinstance(value, bool) else repr(value)
+    return f" (got {text})" if len(text) <= LONGEST_VALUE else f" (got {text[:LONGEST_VALUE]}...)"
+
+
+def _place(location: list[Any]) -> str:
+    if not location:
+        return ""
+    tables = [str(part) for part in location if isinstance(part, str) and "[" not in part]
+    numbers = [f" entry {part}" for part in location if isinstance(part, int)]
+    return f"[{'.'.join(tables)}]{''.join(numbers)} "
+
+
+def _keys(model: Any, place: list[Any]) -> list[str]:
+    """Legal keys of the table at ``place``."""
+    for part in place:
+        if isinstance(part, int):
+            continue
+        fields = getattr(model, "model_fields", {})
+        if part not in fields:
+            return []
+        model = _model_in(fields[part].annotation)
+    return [key for key in getattr(model, "model_fields", {}) if not key.startswith("_")]
+
+
+def _model_in(annotation: Any) -> Any:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    for argument in typing.get_args(annotation):
+        found = _model_in(argument)
+        if found is not None:
+            return found
+    return None
