@@ -7,7 +7,6 @@ an aerodynamic factor): every cell flies the same samples of them, so that cells
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -17,6 +16,7 @@ from sim.errors import did_you_mean
 from sim.randomness import stream
 
 LARGEST_GRID = 10_000  # values of one axis
+LARGEST_NUMBER = 1e300  # an integer beyond is none that a float can hold
 
 
 class Listed(NamedTuple):
@@ -78,7 +78,7 @@ def _grid(place: str, low: float, high: float, count: float) -> tuple[float, ...
 
 
 def _finite(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < LARGEST_NUMBER
 
 
 def _forms(only: str | None = None) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+LONGEST_LINE = 1000  # characters of one fault
+
 
 class ScenarioError(ValueError):
     """A scenario that cannot be run; one line per fault, each with its place and the mend."""
@@ -12,6 +14,12 @@ class ScenarioError(ValueError):
 
 class OutputError(ValueError):
     """A folder that cannot be written, or was written by something else."""
+
+
+def printable(line: str) -> str:
+    """A line that a terminal shows as it is: nothing that moves the cursor or breaks the line, and no end of it."""
+    shown = "".join(c if c.isprintable() else repr(c)[1:-1] for c in line[:LONGEST_LINE])
+    return shown + ("..." if len(line) > LONGEST_LINE else "")
 
 
 def did_you_mean(word: str, allowed: Iterable[str]) -> str:

@@ -20,6 +20,7 @@ from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, Route, pattern_route
 from sim import checks, departures
 from sim.errors import ScenarioError
+from sim.faults import told
 from sim.outcomes import Limits
 from sim.quarantine import apart
 from sim.randomness import Streams
@@ -95,7 +96,7 @@ def prepare(scenario: Scenario) -> Prepared:
 def _prepared(scenario: Scenario) -> Prepared:
     faults = checks.refuse_unknown(scenario.checks, PHASES)
     if faults:
-        raise ScenarioError("\n".join(f"{scenario.name}: {fault}" for fault in faults))
+        raise ScenarioError(told(scenario.name, faults))
     place = "[aircraft]"
     try:
         aircraft = _data(scenario)

@@ -11,9 +11,9 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
-from aircraft.units import SUFFIXES
 from sim import catalogue
 from sim.errors import ScenarioError, did_you_mean
+from sim.faults import faults_of, stem, told
 from sim.parameters import construct, dump, model_of, parameters
 from sim.tables import (
     AircraftChoice,
@@ -29,6 +29,8 @@ from sim.tables import (
 )
 
 LARGEST_FILE = 1 << 20  # bytes; a scenario is a page of text
+DEEPEST = 100  # dots of one key; many more would keep the reader busy for minutes
+MOST_NAMES = 50  # sensors or trackers of one scenario
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 ROUTES = {"pattern": PatternTable, "legs": LegsTable}
 LAW_GIVEN = ("bank_limit",)  # stands in [autopilot] itself
@@ -86,29 +88,33 @@ def read(source: str | Path | dict[str, Any], overrides: dict[str, Any] | None =
 
 def override(tables: dict[str, Any], address: str, value: Any) -> dict[str, Any]:
     """The tables with one value replaced; another spelling of the same value is taken out."""
-    head, _, rest = address.partition(".")
-    if not head:
-        raise ScenarioError(f"--set {address}: the key is empty; write table.key=value")
+    return _replaced(tables, address, value, address)
+
+
+def _replaced(tables: dict[str, Any], address: str, value: Any, whole: str) -> dict[str, Any]:
+    head, dot, rest = address.partition(".")
+    if not head or (dot and not rest):
+        raise ScenarioError(f"--set {whole}: a part of the key is empty; write table.key=value")
     if rest:
         inner = tables.get(head, {})
         if isinstance(inner, list):
             index, _, below = rest.partition(".")
-            if not index.isdigit() or int(index) >= len(inner):
-                raise ScenarioError(f"--set {address}: [[{head}]] has entries 0 to {len(inner) - 1}")
+            if not (index.isascii() and index.isdigit()) or int(index) >= len(inner):
+                raise ScenarioError(f"--set {whole}: [[{head}]] {_entries(inner)}")
             items = list(inner)
-            items[int(index)] = override(items[int(index)], below, value) if below else value
+            if below and not isinstance(items[int(index)], dict):
+                raise ScenarioError(f"--set {whole}: entry {index} of [[{head}]] is a value, not a table")
+            items[int(index)] = _replaced(items[int(index)], below, value, whole) if below else value
             return {**tables, head: items}
         if not isinstance(inner, dict):
-            raise ScenarioError(f"--set {address}: '{head}' is a value, not a table")
-        return {**tables, head: override(inner, rest, value)}
-    kept = {key: old for key, old in tables.items() if key == head or _stem(key) != _stem(head)}
+            raise ScenarioError(f"--set {whole}: '{head}' is a value, not a table")
+        return {**tables, head: _replaced(inner, rest, value, whole)}
+    kept = {key: old for key, old in tables.items() if key == head or stem(key) != stem(head)}
     return {**kept, head: value}
 
 
-def _stem(key: str) -> str:
-    """A key without its unit suffix."""
-    endings = [suffix for suffix in SUFFIXES if key.endswith(f"_{suffix}")]
-    return key[: -len(max(endings, key=len)) - 1] if endings else key
+def _entries(items: list[Any]) -> str:
+    return f"has entries 0 to {len(items) - 1}" if items else "has no entries"
 
 
 def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
@@ -116,36 +122,40 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
         return "scenario", source
     path = Path(source)
     bundled = catalogue.bundled(str(source))
-    if bundled is not None:
-        text = bundled.read_bytes()
-        origin = f"{source}.toml"
-    elif path.is_file():
-        if path.stat().st_size > LARGEST_FILE:
-            raise ScenarioError(f"{path}: larger than {LARGEST_FILE} bytes, which no scenario is")
-        try:
-            text = path.read_bytes()
-        except OSError as error:
-            raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from None
-        origin = str(path)
-    elif path.is_dir():
-        raise ScenarioError(f"{path}: is a folder; name a scenario file in it")
-    elif path.exists() or path.suffix == ".toml" or "/" in str(source):
-        raise ScenarioError(f"{path}: {'no regular file' if path.exists() else 'no such file'}")
-    else:
-        raise ScenarioError(
-            f"no scenario '{source}': {did_you_mean(str(source), [*catalogue.scenarios(), *catalogue.studies()])}"
-        )
+    origin = str(path) if bundled is None else f"{source}.toml"
+    content = _content(path, str(source)) if bundled is None else bundled.read_bytes()
+    if max(piece.count(b".") for piece in re.split(rb"[=,\[\]{}\n]", content)) > DEEPEST:
+        raise ScenarioError(f"{origin}: not TOML: nested too deeply")
     try:
         return origin, {
             "name": path.name.removesuffix(".toml").removesuffix(".scenario"),
-            **tomllib.loads(text.decode()),
+            **tomllib.loads(content.decode("utf-8-sig")),
         }
     except UnicodeDecodeError:
         raise ScenarioError(f"{origin}: not UTF-8 text; save the file as UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{origin}: not TOML: {error}") from None
     except RecursionError:
         raise ScenarioError(f"{origin}: not TOML: nested too deeply") from None
+    except ValueError as error:  # of its grammar, or of a number with thousands of digits
+        raise ScenarioError(told(origin, [f"not TOML: {str(error).partition(';')[0]}"])) from None
+
+
+def _content(path: Path, source: str) -> bytes:
+    """The bytes of a file that is to be a scenario."""
+    try:
+        if path.is_file():
+            with path.open("rb") as file:
+                content = file.read(LARGEST_FILE + 1)
+            if len(content) > LARGEST_FILE:
+                raise ScenarioError(f"{path}: larger than {LARGEST_FILE} bytes, which no scenario is")
+            return content
+        if path.is_dir():
+            raise ScenarioError(f"{path}: is a folder; name a scenario file in it")
+        if path.exists() or path.suffix == ".toml" or "/" in source:
+            raise ScenarioError(f"{path}: {'no regular file' if path.exists() else 'no such file'}")
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from None
+    near = did_you_mean(source, [*catalogue.scenarios(), *catalogue.studies()])
+    raise ScenarioError(told(f"no scenario '{source}'", [near]))
 
 
 # ---- the pydantic model of one file ------------------------------------------------------------------------------
@@ -158,7 +168,7 @@ class TrackerTable(BaseModel):
     sensors: list[str] | None = None
     handover: str | None = None
     association: typing.Literal["probabilistic"] | None = None
-    law: dict[str, Annotated[float, Field(allow_inf_nan=False)]] | None = None
+    law: dict[str, Annotated[float, Field(allow_inf_nan=False, strict=True)]] | None = None
 
 
 def _tracker_model(kind: str) -> type[BaseModel]:
@@ -191,7 +201,7 @@ def _file_model(parts: dict[str, Any]) -> type[BaseModel]:
         seed=(Annotated[int, Field(strict=True, ge=0, lt=2**63)], 1),
         flights=(Annotated[int, Field(strict=True, ge=1, le=100_000)], 1),
         draws=(Annotated[int, Field(strict=True, ge=1, le=100_000)], 130),
-        until_s=(Annotated[float, Field(gt=0, le=1800, allow_inf_nan=False)] | None, None),
+        until_s=(Annotated[float, Field(gt=0, le=1800, allow_inf_nan=False, strict=True)] | None, None),
         runway=(model_of(Runway), None),
         aircraft=(model_of(AircraftChoice), None),
         start=(model_of(Start), None),
@@ -247,9 +257,12 @@ def _parts(tables: dict[str, Any], faults: list[str]) -> dict[str, Any]:
     return parts
 
 
-def _members(family: str, place: str, named: Any, faults: list[str], build: Any = None) -> type[BaseModel]:
+def _members(family: str, place: str, named: Any, faults: list[str], build: Any = None) -> Any:
     """The model of a table whose members are named by the user and have kinds."""
     members: dict[str, Any] = {}
+    if isinstance(named, dict) and len(named) > MOST_NAMES:
+        faults.append(f"{place}: {len(named)} are more than the {MOST_NAMES} that one scenario can have")
+        return Any
     for name, table in named.items() if isinstance(named, dict) else ():
         kind = _kind(table, None)
         if not NAME.fullmatch(name):
@@ -258,8 +271,8 @@ def _members(family: str, place: str, named: Any, faults: list[str], build: Any 
             faults.append(f"[{place}] {name}: must be a table with a 'kind'")
             members[name] = (Any, ...)
         elif kind not in catalogue.kinds(family):
-            told = f"no kind '{kind}'; {did_you_mean(str(kind), catalogue.kinds(family))}" if kind else "is missing"
-            faults.append(f"[{place}.{name}] kind: {told}")
+            hint = f"no kind '{kind}'; {did_you_mean(str(kind), catalogue.kinds(family))}" if kind else "is missing"
+            faults.append(f"[{place}.{name}] kind: {hint}")
             members[name] = (Any, ...)
         else:
             members[name] = (build(kind) if build else model_of(catalogue.load(family, kind), kind), ...)
@@ -272,9 +285,9 @@ def _build(origin: str, tables: dict[str, Any]) -> Scenario:
     try:
         model.model_validate(tables)
     except ValidationError as error:
-        faults += [_fault(model, tables, item) for item in error.errors()]
+        faults += faults_of(model, error)
     if faults:
-        raise ScenarioError("\n".join(f"{origin}: {fault}" for fault in dict.fromkeys(faults)))
+        raise ScenarioError(told(origin, faults))
 
     def table(name: str, cls: type) -> Any:
         return _construct(faults, f"[{name}]", cls, tables.get(name, {}))
@@ -334,7 +347,7 @@ def _build(origin: str, tables: dict[str, Any]) -> Scenario:
             f"[autopilot] navigation: no tracker '{navigation}'; {did_you_mean(navigation, ['truth', *trackers])}"
         )
     if faults:
-        raise ScenarioError("\n".join(f"{origin}: {fault}" for fault in faults))
+        raise ScenarioError(told(origin, faults))
     return Scenario(**scenario, tables=_resolved(tables, scenario))
 
 
@@ -410,64 +423,3 @@ def _completed(instance: Any, given: dict[str, Any]) -> dict[str, Any]:
         if used or key in defaults:
             table[key] = given[key] if used else defaults[key]
     return table
-
-
-# ---- faults in the user's words ----------------------------------------------------------------------------------
-
-
-def _fault(model: type[BaseModel], tables: dict[str, Any], item: Any) -> str:
-    location = list(item["loc"])
-    if item["type"] == "extra_forbidden":
-        place, key = location[:-1], str(location[-1])
-        allowed = _keys(model, place)
-        same = [name for name in allowed if _stem(name) == _stem(key)]
-        hint = f"write it as {' or '.join(same[:3])}" if same and _stem(key) != key else did_you_mean(key, allowed)
-        if same and _stem(key) == key and key not in allowed:
-            hint = f"it needs its unit: {' or '.join(same[:3])}"
-        return f"{_place(place)}{key}: no such key; {hint}"
-    value = item.get("input")
-    shown = f" (got {value!r})" if isinstance(value, str | int | float | bool) else ""
-    message = item["msg"].removeprefix("Value error, ")
-    plain = {
-        "missing": "is missing",
-        "finite_number": "must be a finite number",
-        "float_type": "must be a number",
-        "int_type": "must be a whole number",
-        "bool_type": "must be true or false",
-        "model_type": "must be a table",
-        "model_attributes_type": "must be a table",
-    }.get(item["type"], message[0].lower() + message[1:])
-    keys = [part for part in location if not (isinstance(part, str) and part.startswith(("function-", "constrained-")))]
-    if item["type"] == "value_error":
-        return f"{_place(keys)}{plain}"
-    return f"{_place(keys[:-1])}{keys[-1] if keys else ''}: {plain}{shown}"
-
-
-def _place(location: list[Any]) -> str:
-    if not location:
-        return ""
-    tables = [str(part) for part in location if isinstance(part, str) and "[" not in part]
-    numbers = [f" entry {part}" for part in location if isinstance(part, int)]
-    return f"[{'.'.join(tables)}]{''.join(numbers)} "
-
-
-def _keys(model: Any, place: list[Any]) -> list[str]:
-    """Legal keys of the table at ``place``."""
-    for part in place:
-        if isinstance(part, int):
-            continue
-        fields = getattr(model, "model_fields", {})
-        if part not in fields:
-            return []
-        model = _model_in(fields[part].annotation)
-    return [key for key in getattr(model, "model_fields", {}) if not key.startswith("_")]
-
-
-def _model_in(annotation: Any) -> Any:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    for argument in typing.get_args(annotation):
-        found = _model_in(argument)
-        if found is not None:
-            return found
-    return None

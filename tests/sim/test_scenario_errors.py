@@ -60,7 +60,7 @@ def test_numbers_must_be_finite(value):
         ("sensors", {"radar": {"kind": "surveillance_radar", "period_s": 0.0}}, "[sensors.radar] period must be"),
         ("sensors", {"radar": {}}, "[sensors.radar] kind: is missing"),
         ("checks", [{"metric": "bank_deg"}], "[[checks]] entry 0 the check of 'bank_deg' needs 'max' or 'min'"),
-        ("seed", -1, "seed: input should be greater than or equal to 0 (got -1)"),
+        ("seed", -1, "seed: must be at least 0 (got -1)"),
         ("seed", True, "seed: must be a whole number"),
         ("colour", "red", "colour: no such key"),
     ],
