@@ -43,6 +43,8 @@ SCALARS = (
     "bank_max_deg",
     "bank_rate_max_degps",
     "time_saturated_s",
+    "bank_cycle_deg",
+    "bank_cycle_period_s",
     "overshoot_m",
     "base_overshoot_m",
     "settling_s",

@@ -8,6 +8,7 @@ import numpy as np
 
 from aircraft.state import STANDARD_GRAVITY
 from sim.flight import RECORD_STEP, Flight
+from sim.oscillation import oscillation
 from sim.signals import bank_rate, crab, height_error
 from sim.tables import Runway
 
@@ -35,6 +36,7 @@ def flight_metrics(flight: Flight, runway: Runway, bank_limit: float) -> dict[st
         "bank_max_deg": float(np.degrees(np.abs(state.bank).max())),
         "bank_rate_max_degps": float(np.degrees(np.abs(bank_rate(flight)).max())),
         "time_saturated_s": float(saturated.sum() * RECORD_STEP),
+        **oscillation(flight),
         "overshoot_m": _overshoot(flight, z, last),
         "base_overshoot_m": _overshoot(flight, z, last - 1) if last > 0 and flight.leg.min() < last else None,
         "settling_s": _settling(flight, z, last),

@@ -14,7 +14,7 @@ from aircraft.errors import FlightError, ModelError, TrimError
 from aircraft.slowest import complete
 from autopilot.approach import PHASES, Approach, Landing
 from autopilot.departure import Departing
-from autopilot.design import RATE_MARGIN, Designed
+from autopilot.design import RATE_MARGIN, Designed, law_of_frequency
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, Route, pattern_route
@@ -234,10 +234,15 @@ def _designed(
 
 def _law(scenario: Scenario, gains: Designed, route: Route) -> Any:
     """The law of the design with what the file sets of it."""
-    given = scenario.law
+    given, share, bank_limit = scenario.law, scenario.autopilot.frequency_share, scenario.autopilot.bank_limit
+    if share is not None and (scenario.mode == "radio_beacon" or {"k1", "k2"} & given.keys()):
+        raise ValueError("'frequency_share' sets k1 and k2 of the route law: leave them out, or leave it out")
     if scenario.mode == "radio_beacon":
         return _beacon_law(given, gains, route)
-    law: LateralNavigation = dataclasses.replace(gains.law, bank_limit=scenario.autopilot.bank_limit)
+    law: LateralNavigation = dataclasses.replace(gains.law, bank_limit=bank_limit)
+    if share is not None:
+        fastest = max(leg.speed for leg in route.legs)
+        law = law_of_frequency(share * gains.bank_bandwidth, fastest, bank_limit)
     law = dataclasses.replace(law, **given)
     if "cross_track_rate_limit" not in given:
         rate = RATE_MARGIN * (law.k1 * law.cross_track_limit + law.bank_limit) / law.k2

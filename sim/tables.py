@@ -139,8 +139,11 @@ class AutopilotTable:
     roll_rate_limit: Annotated[float, "rad/s"] = math.radians(5.0)
     navigation: str = "truth"
     allow_orbit: bool = False
+    frequency_share: float | None = None  # natural frequency of the law over the bank loop's; absent = designed
 
     def __post_init__(self) -> None:
+        if self.frequency_share is not None and not 0 < self.frequency_share <= 2:
+            raise ValueError("frequency_share must be above 0 and at most 2 bandwidths of the bank loop")
         if not 0 < self.bank_limit <= math.radians(60):
             raise ValueError("bank_limit must be above 0 and at most 60 degrees")
         if not 0 < self.roll_rate_limit <= math.radians(90):

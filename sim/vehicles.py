@@ -143,21 +143,24 @@ def designed(
     points = []
     for configuration in configurations:
         for airspeed in (configuration.slowest, configuration.fastest):
-            steady = trim(airframe, airspeed, 0.0, height, configuration.flaps, configuration.gear)
-            linear = linearise(airframe, steady)
-            points.append(
-                OperatingPoint(
-                    configuration.flaps,
-                    configuration.gear,
-                    airspeed,
-                    steady.initial.angle_of_attack,
-                    steady.controls.elevator,
-                    steady.controls.throttle,
-                    linear.part(LONGITUDINAL, ("throttle", "elevator")),
-                    linear.part(LATERAL, ("aileron", "rudder")),
-                )
-            )
+            points.append(operating_point(airframe, airspeed, height, configuration.flaps, configuration.gear))
     return design(points, speed, bank_limit)
+
+
+def operating_point(airframe: Airframe, airspeed: float, height: float, flaps: float, gear: float) -> OperatingPoint:
+    """The linear model of an aircraft in level flight at an airspeed (m/s), height (m) and flaps (rad)."""
+    steady = trim(airframe, airspeed, 0.0, height, flaps, gear)
+    linear = linearise(airframe, steady)
+    return OperatingPoint(
+        flaps,
+        gear,
+        airspeed,
+        steady.initial.angle_of_attack,
+        steady.controls.elevator,
+        steady.controls.throttle,
+        linear.part(LONGITUDINAL, ("throttle", "elevator")),
+        linear.part(LATERAL, ("aileron", "rudder")),
+    )
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,38 @@
+"""The oscillation that is left at the end of a flight: a limit cycle, or nothing."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sim.flight import Flight
+
+LASTING = 60.0  # s, at the end of a flight
+LEAST = math.radians(1.0)  # of bank; less is no oscillation
+
+
+def oscillation(flight: Flight) -> dict[str, float | None]:
+    """Amplitude of the bank that persisted for the last minute, and its period, null without an oscillation.
+
+    The amplitude is half the way from peak to peak, in that half of the minute in which it is smaller: what fades does
+    not persist.
+    """
+    left = flight.time[-1] - flight.time
+    bank = flight.state.bank
+    halves = [bank[left < 0.5 * LASTING], bank[(left >= 0.5 * LASTING) & (left <= LASTING)]]
+    amplitude = min(0.5 * float(np.ptp(half)) if half.size else 0.0 for half in halves)
+    last = left <= LASTING
+    period = _period(flight.time[last], bank[last]) if amplitude >= LEAST else None
+    return {"bank_cycle_deg": math.degrees(amplitude), "bank_cycle_period_s": period}
+
+
+def _period(time: Any, bank: Any) -> float | None:
+    """Mean time between upward passages through the middle; None with less than two of them."""
+    level = bank - 0.5 * (bank.max() + bank.min())
+    up = np.flatnonzero((level[:-1] < 0.0) & (level[1:] >= 0.0))
+    if len(up) < 2:
+        return None
+    passed = time[up] + (time[up + 1] - time[up]) * level[up] / (level[up] - level[up + 1])
+    return float((passed[-1] - passed[0]) / (len(up) - 1))
