@@ -29,7 +29,8 @@ def claims_of(paper: str) -> tuple[Any, ...]:
 
 def plots_of(paper: str, seed: int = SEED) -> tuple[Any, ...]:
     """The figures of one paper, from our own runs."""
-    return tuple(import_module(f"sim.claims.{paper}").plots(seed))
+    figures = import_module(f"sim.claims.figures.{paper}").FIGURES
+    return tuple(plot for figure in figures.values() for plot in figure(seed))
 
 
 def measured(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from sim.claims.figures.kychak2011 import plots
 from sim.claims.ledger import Claim, Reading, counted
 from sim.claims.manoeuvre import noise_claim
 from sim.claims.runs.kychak2011 import (
@@ -22,8 +21,6 @@ from sim.claims.runs.kychak2011 import (
     steady_over,
 )
 from sim.claims.verdict import above, between, number
-
-__all__ = ["CLAIMS", "plots"]
 
 FLOWN = "The last 600 scans of a JSBSim glide path before the decision height; runs are draws of noise."
 GAIN = between("25", "30", good=1)
@@ -126,15 +123,26 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim(
         "no_anomalies_same_jsbsim",
-        "without anomalies the probability of an anomaly is zero and both filters agree",
-        "fig. 10, conclusions",
+        "without anomalies the probability of an anomaly is zero",
+        "fig. 10",
         number("0"),
         (
             Reading("mean probability", doubted("doubt", JSBSIM)),
             Reading("share above a half", doubted("decided", JSBSIM)),
-            Reading("more variance", excess(True, JSBSIM)),
-            Reading("more RMS", excess(False, JSBSIM)),
         ),
+        "%",
+        truth="jsbsim",
+        geometry_by="paper",
+        paper_runs=50,
+        first_runs=200,
+        note=FLOWN,
+    ),
+    Claim(
+        "no_anomalies_same_accuracy_jsbsim",
+        "without anomalies both filters agree",
+        "conclusions",
+        number("0"),
+        (Reading("more variance", excess(True, JSBSIM)), Reading("more RMS", excess(False, JSBSIM))),
         "%",
         truth="jsbsim",
         geometry_by="paper",

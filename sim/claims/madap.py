@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from sim.claims.figures.madap import plots
 from sim.claims.ledger import Claim, Reading
 from sim.claims.runs.madap import SEVERAL, SINGLE, TRACKERS, error, share
 from sim.claims.verdict import Printed, number
-
-__all__ = ["CLAIMS", "plots"]
 
 NOTES = {
     "imm": "Radar sites are ours. The set is that of a landing pattern: turns at 15 deg of bank, and one slowing down.",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from sim.claims.figures.vasylyev2003 import plots
 from sim.claims.ledger import Claim, Reading, counted
 from sim.claims.runs.vasylyev2003 import (
     DELAYS,
@@ -32,8 +31,6 @@ from sim.claims.runs.vasylyev2003 import (
 )
 from sim.claims.verdict import above
 from tracking.intervals import rmse
-
-__all__ = ["CLAIMS", "plots"]
 
 OURS = "ours"
 GAINS = {"the gains of the model": GIVEN_GAINS, "gains of the aircraft": OWN_GAINS}

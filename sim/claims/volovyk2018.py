@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from sim.claims.figures.volovyk2018 import plots
 from sim.claims.ledger import Claim, Reading, counted
 from sim.claims.manoeuvre import noise_claim
 from sim.claims.runs.volovyk2018 import (
@@ -26,8 +25,6 @@ from sim.claims.runs.volovyk2018 import (
 from sim.claims.verdict import above, at_most, between, number
 from tracking.operations import memory, saving
 from tracking.trackers.elevation import interval_half_width
-
-__all__ = ["CLAIMS", "plots"]
 
 WHOLE = slice(SETTLED, None)
 FLOWN = "The level leg of a JSBSim flight, 72 to 60 m/s; runs are draws of noise."

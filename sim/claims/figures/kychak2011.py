@@ -4,51 +4,51 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim.claims.angle import DEGREE, MEASURED, PRIOR, VARIANCE, drawn
+from sim.claims.figures.volovyk2018 import derivatives
+from sim.claims.flown import flown
 from sim.claims.plots import Curve, Plot
-from sim.claims.runs.kychak2011 import FACTOR, SHARE, beam, independent, ratio_needed
+from sim.claims.runs.kychak2011 import FACTOR, PRINTED_CHAIN, SCENARIO, beam, ratio_needed
 from sim.randomness import stream
 from sim.truths.mls_profile import MlsProfile
 from tracking.gaussian import Mixture, merge
 from tracking.track import follow
-from tracking.trackers.elevation import Elevation, elevation_of
+from tracking.trackers.elevation import Elevation
 from tracking.trackers.switching_noise import SwitchingNoise
 
+RUNS, STEPS = 200, 400
 
-def plots(seed: int) -> Iterator[Plot]:
-    """Figures 3, 4, 5, 8, 9 and 10."""
-    flight = MlsProfile().fly()
-    state = flight.state
-    distance = -state.north
+
+def profile(seed: int) -> Iterator[Plot]:
+    """The landing profile."""
+    state, flight = MlsProfile().fly().state, flown(SCENARIO)
+    _, away = flight.elevation(flight.flight.time)
+    ahead = away > 0.0
     yield Plot(
         "fig. 3",
         "Landing profile",
-        "Level deceleration, glide path, flare.",
+        "Level deceleration, glide path, flare; the An-26 joins at 5 km.",
         "distance to the beacon, km",
         "height, m",
-        (Curve("path", distance / 1000.0, state.height),),
+        (
+            Curve("as printed", -state.north / 1000.0, state.height),
+            Curve("flown on JSBSim", away[ahead] / 1000.0, flight.state.height[ahead], "dashed"),
+        ),
     )
-    angle = np.degrees(elevation_of(distance, state.height, -state.velocity_north, state.velocity_up).angle)
-    rate = np.gradient(angle, state.time)
-    acceleration = np.gradient(rate, state.time)
-    near = distance > 300.0
-    quantities = (("elevation", angle, "deg"), ("rate", rate, "deg/s"), ("acceleration", acceleration, "deg/s^2"))
-    curves = []
-    for name, values, unit in quantities:
-        largest = float(np.abs(values[near]).max())
-        curves.append(Curve(f"{name}, largest {largest:.3g} {unit}", state.time[near], values[near] / largest))
-    yield Plot(
-        "fig. 4",
-        "Elevation and its derivatives",
-        "Each divided by its largest value.",
-        "time, s",
-        "share of the largest",
-        tuple(curves),
-    )
+
+
+def angles(seed: int) -> Iterator[Plot]:
+    """Elevation and its derivatives."""
+    yield derivatives("fig. 4", "Elevation and its derivatives")
+
+
+def noise(seed: int) -> Iterator[Plot]:
+    """Angle noise by the printed formula."""
     away = np.geomspace(750.0, 15000.0, 200)
     curves = []
     for name, variance, at in (("36e-4 at 750 m", VARIANCE, 750.0), ("50e-4 at 15 km", 50e-4, 15000.0)):
@@ -63,9 +63,23 @@ def plots(seed: int) -> Iterator[Plot]:
         tuple(curves),
         logarithmic=True,
     )
-    runs, steps = 200, 400
-    truth, seen = drawn(stream(seed, 0, 0, "kychak2011.figures"), runs, steps, PRIOR, independent(SHARE), (1.0, FACTOR))
-    time = seen.time
+
+
+class Realised(NamedTuple):
+    """An ensemble under anomalies."""
+
+    time: Any  # (k,) s
+    measured: Any  # (k, runs) deg
+    truth: Any  # (k, runs) deg
+    errors: dict[str, Any]  # (k, runs) deg
+    doubt: Any  # (k,) of the first run
+
+
+@lru_cache(maxsize=1)
+def realised(seed: int) -> Realised:
+    """Both filters on RUNS streams with anomalies."""
+    generator = stream(seed, 0, 0, "kychak2011.figures")
+    truth, seen = drawn(generator, RUNS, STEPS, PRIOR, PRINTED_CHAIN, (1.0, FACTOR))
     errors: dict[str, list[Any]] = {"Kalman": [], "two hypotheses": []}
     doubt = []
     for name, tracker in (("Kalman", Elevation(MEASURED)), ("two hypotheses", SwitchingNoise(MEASURED))):
@@ -75,19 +89,59 @@ def plots(seed: int) -> Iterator[Plot]:
                 doubt.append(estimate.weights[1, 0])
                 estimate = merge(estimate)
             errors[name].append((estimate.mean[0] - truth[epoch.row]) / DEGREE)
+    found = {name: np.array(each) for name, each in errors.items()}
+    return Realised(seen.time, seen.z[:, 0] / DEGREE, truth / DEGREE, found, np.array(doubt))
+
+
+def anomalies(seed: int) -> Iterator[Plot]:
+    """One stream."""
+    found = realised(seed)
     yield Plot(
-        "fig. 8", "A stream with anomalies and both filters", "One realisation.", "time, s", "elevation, deg",
+        "fig. 8",
+        "A stream with anomalies and both filters",
+        "One realisation.",
+        "time, s",
+        "elevation, deg",
         (
-            Curve("measured", time, seen.z[:, 0, 0] / DEGREE, "dots"),
-            *(Curve(name, time, np.array(e)[:, 0] + truth[:, 0] / DEGREE) for name, e in errors.items()),
-            Curve("truth", time, truth[:, 0] / DEGREE, "dashed"),
+            Curve("measured", found.time, found.measured[:, 0], "dots"),
+            *(Curve(name, found.time, e[:, 0] + found.truth[:, 0]) for name, e in found.errors.items()),
+            Curve("truth", found.time, found.truth[:, 0], "dashed"),
         ),
-    )  # fmt: skip
+    )
+
+
+def variances(seed: int) -> Iterator[Plot]:
+    """Variance over time."""
+    found = realised(seed)
     yield Plot(
-        "fig. 9", "Variance of both filters", f"{runs} runs.", "time, s", "variance, deg^2",
-        tuple(Curve(name, time, (np.array(e) ** 2).mean(axis=1)) for name, e in errors.items()), logarithmic=True,
-    )  # fmt: skip
+        "fig. 9",
+        "Variance of both filters",
+        f"{RUNS} runs.",
+        "time, s",
+        "variance, deg^2",
+        tuple(Curve(name, found.time, (e**2).mean(axis=1)) for name, e in found.errors.items()),
+        logarithmic=True,
+    )
+
+
+def belief(seed: int) -> Iterator[Plot]:
+    """Probability of the anomaly."""
+    found = realised(seed)
     yield Plot(
-        "fig. 10", "Probability of the anomaly", "The same realisation.", "time, s", "probability",
-        (Curve("believed", time, doubt),),
-    )  # fmt: skip
+        "fig. 10",
+        "Probability of the anomaly",
+        "The same realisation.",
+        "time, s",
+        "probability",
+        (Curve("believed", found.time, found.doubt),),
+    )
+
+
+FIGURES = {
+    "fig. 3": profile,
+    "fig. 4": angles,
+    "fig. 5": noise,
+    "fig. 8": anomalies,
+    "fig. 9": variances,
+    "fig. 10": belief,
+}

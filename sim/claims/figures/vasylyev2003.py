@@ -23,8 +23,8 @@ from sim.truths.route_capture import NOMINAL, RouteCapture
 RUNS = 300
 
 
-def plots(seed: int) -> Iterator[Plot]:
-    """Figures 3 and 4."""
+def captures(seed: int) -> Iterator[Plot]:
+    """The capture with and without limits."""
     paths = {
         name: RouteCapture("double_integrator", law, OUTSIDE, speed=400.0, duration=200.0).fly(step=0.5).state
         for name, law in (("without limits", UNLIMITED), ("with limits", NOMINAL))
@@ -42,6 +42,10 @@ def plots(seed: int) -> Iterator[Plot]:
             Curve("with limits, flown on JSBSim", flight.time[shown], flight.east[shown], "dashed"),
         ),
     )
+
+
+def lateral_errors(seed: int) -> Iterator[Plot]:
+    """Errors of both filters, on the model and on JSBSim."""
     for truth, where in ((MODEL, "in the double integrator"), (GIVEN_GAINS, "flown on JSBSim")):
         data = capture(seed, RUNS, OUTSIDE, truth)
         time = data.measurements.time[1:]
@@ -59,3 +63,6 @@ def plots(seed: int) -> Iterator[Plot]:
             ),
             logarithmic=True,
         )
+
+
+FIGURES = {"fig. 3": captures, "fig. 4": lateral_errors}

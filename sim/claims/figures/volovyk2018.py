@@ -26,8 +26,8 @@ from sim.truths.mls_profile import MlsProfile
 from tracking.trackers.elevation import PERIOD, elevation_of
 
 
-def plots(seed: int) -> Iterator[Plot]:
-    """Figures 1, 2, 4 and 5."""
+def profile(seed: int) -> Iterator[Plot]:
+    """The landing profile."""
     state = MlsProfile().fly().state
     distance = -state.north
     flight = flown(JSBSIM)
@@ -44,8 +44,14 @@ def plots(seed: int) -> Iterator[Plot]:
             Curve("flown on JSBSim", away[ahead] / 1000.0, flight.state.height[ahead], "dashed"),
         ),
     )
-    motion = elevation_of(distance, state.height, -state.velocity_north, state.velocity_up)
+
+
+def derivatives(figure: str, title: str) -> Plot:
+    """The elevation along the printed profile with its derivatives."""
+    state = MlsProfile().fly().state
+    distance = -state.north
     near = distance > 300.0
+    motion = elevation_of(distance, state.height, -state.velocity_north, state.velocity_up)
     angle, rate = np.degrees(motion.angle), np.degrees(motion.rate)
     quantities = (
         ("elevation", angle, "deg"),
@@ -56,14 +62,17 @@ def plots(seed: int) -> Iterator[Plot]:
     for name, values, unit in quantities:
         largest = float(np.abs(values[near]).max())
         curves.append(Curve(f"{name}, largest {largest:.3g} {unit}", state.time[near], values[near] / largest))
-    yield Plot(
-        "fig. 2",
-        "Elevation and its derivatives over the profile",
-        "Each divided by its largest value.",
-        "time, s",
-        "share of the largest",
-        tuple(curves),
-    )
+    caption = "Each divided by its largest value; up to 300 m from the beacon."
+    return Plot(figure, title, caption, "time, s", "share of the largest", tuple(curves))
+
+
+def angles(seed: int) -> Iterator[Plot]:
+    """Elevation and its derivatives."""
+    yield derivatives("fig. 2", "Elevation and its derivatives over the profile")
+
+
+def variances(seed: int) -> Iterator[Plot]:
+    """Theory, Monte Carlo and the band."""
     errors, believed = on_the_model(seed, SAMPLE)
     time = PERIOD * np.arange(1, STEPS + 1)
     yield Plot(
@@ -80,6 +89,10 @@ def plots(seed: int) -> Iterator[Plot]:
         ),
         logarithmic=True,
     )
+
+
+def one_realisation(seed: int) -> Iterator[Plot]:
+    """Measured and filtered."""
     truth = level_leg().angle
     noise = stream(seed, 0, 0, "volovyk2018.figure").standard_normal((LEG, 1, 1))
     measurements = record(truth[:, None, None] + SIGMA * noise)
@@ -97,3 +110,6 @@ def plots(seed: int) -> Iterator[Plot]:
             Curve("truth", time, truth / DEGREE, "dashed"),
         ),
     )
+
+
+FIGURES = {"fig. 1": profile, "fig. 2": angles, "fig. 4": variances, "fig. 5": one_realisation}

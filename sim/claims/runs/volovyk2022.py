@@ -221,15 +221,30 @@ def grows_throughout(name: str, what: str, truth: str = LEFT) -> Any:
     return measured
 
 
+def norm(data: Experiment) -> Any:
+    """Largest cross-range error (k, runs), m, that Annex 10 allows a precision approach radar."""
+    share = NORM_SHARE * data.distance + NORM_OF_DEVIATION * np.abs(data.truth[:, 1])
+    return np.maximum(share, NORM_LEAST)
+
+
+def norm_over(name: str, truth: str = LEFT) -> Any:
+    """Measure of the RMS of that norm over the cross-range RMSE on the glide path."""
+
+    def measured(seed: int, runs: int) -> Interval:
+        data, own = experiment(seed, runs, truth), squares(name, seed, runs, truth).own["azimuth"]
+        glide = data.phase == GLIDE
+        return gain(by_run(norm(data) ** 2, glide), by_run(own * data.distance**2, glide))
+
+    return measured
+
+
 def within_norm(name: str, far: float, near: float, truth: str = LEFT) -> Any:
     """Measure of the share of scans (per cent) with a cross-range error within the radar norm of Annex 10."""
 
     def measured(seed: int, runs: int) -> Interval:
         data, own = experiment(seed, runs, truth), squares(name, seed, runs, truth).own["azimuth"]
         among = np.isin(data.phase, (FINAL, GLIDE)) & (data.to_go < far) & (data.to_go >= near)
-        norm = NORM_SHARE * data.distance + NORM_OF_DEVIATION * np.abs(data.truth[:, 1])
-        kept = np.sqrt(own) * data.distance <= np.maximum(norm, NORM_LEAST)
-        return mean_interval(100.0 * by_run(kept, among))
+        return mean_interval(100.0 * by_run(np.sqrt(own) * data.distance <= norm(data), among))
 
     return measured
 
