@@ -11,8 +11,9 @@ from typing import Annotated, Any
 
 import typer
 
-from sim.errors import OutputError, ScenarioError
+from sim.errors import OutputError, ScenarioError, printable
 
+UsageError: Any = typer.BadParameter.__base__  # typer does not export it
 GOOD, CHECK_FAILED, BAD_INPUT, FLIGHTS_CRASHED, STOPPED = 0, 1, 2, 3, 130
 DEFAULT = "an26_pattern"
 
@@ -200,12 +201,17 @@ def new(file: Annotated[Path, typer.Argument(help="The scenario file to make.")]
     """Write a commented scenario to start from."""
     from importlib import resources
 
-    if file.exists():
-        raise OutputError(f"{file}: exists already; choose another name")
-    text = (resources.files("sim.scenarios") / f"{DEFAULT}.toml").read_text()
+    from sim.scenario import NAME
+
     name = file.name.removesuffix(".toml").removesuffix(".scenario")
+    if file.suffix != ".toml" or not NAME.fullmatch(name):
+        raise OutputError(f"{file}: name it NAME.toml; a NAME starts with a letter and has letters, digits, _ and -")
+    text = (resources.files("sim.scenarios") / f"{DEFAULT}.toml").read_text()
     try:
-        file.write_text(text.replace(f'"{DEFAULT}"', json.dumps(name)))
+        with file.open("x") as made:
+            made.write(text.replace(f'"{DEFAULT}"', json.dumps(name)))
+    except FileExistsError:
+        raise OutputError(f"{file}: exists already; choose another name") from None
     except OSError as error:
         raise OutputError(f"{file}: cannot be written: {error.strerror}") from None
     typer.echo(f"wrote {file}; fly it with: shortfinal run {file}")
@@ -217,6 +223,8 @@ def list_(
     kinds: Annotated[bool, typer.Option("--kinds", help="Kinds of sensors, trackers, laws.")] = False,
 ) -> None:
     """List the bundled scenarios, or the aircraft, or the kinds that a scenario can name."""
+    if aircraft and kinds:
+        raise ScenarioError("list: say --aircraft or --kinds, not both")
     from sim.listing import aircraft_lines, kind_lines, scenario_lines
 
     typer.echo("\n".join(aircraft_lines() if aircraft else kind_lines() if kinds else scenario_lines()))
@@ -275,10 +283,10 @@ def _overrides(sets: list[str] | None, **named: int | None) -> dict[str, Any]:
         if not equals or not address.strip():
             raise ScenarioError(f"--set {item}: write it as table.key=value")
         try:
-            value = tomllib.loads(f"value = {text}")["value"]
-        except tomllib.TOMLDecodeError:
-            value = text.strip()  # an unquoted word
-        overrides[address.strip()] = value
+            read = tomllib.loads(f"value = {text}")
+        except (ValueError, RecursionError):  # also of a number with thousands of digits
+            read = {}
+        overrides[address.strip()] = read["value"] if len(read) == 1 else text.strip()  # an unquoted word
     return overrides | {key: value for key, value in named.items() if value is not None}
 
 
@@ -301,13 +309,21 @@ def _exit_code(metrics: dict[str, Any]) -> int:
 def main() -> None:
     """Entry point: faults become sentences on standard error and exit code 2."""
     try:
-        app(standalone_mode=True)
-    except KeyboardInterrupt:
+        sys.exit(app(standalone_mode=False))
+    except (KeyboardInterrupt, typer.Abort):
         typer.echo("stopped", err=True)
         sys.exit(STOPPED)
+    except UsageError as error:
+        told = error.format_message()
+        if "\n" in told:  # nothing was asked, and the help is the answer
+            typer.echo(told)
+        else:
+            command = error.ctx.command_path if error.ctx else app.info.name
+            typer.echo(f"shortfinal: {printable(told).rstrip('.')}; see '{command} -h'", err=True)
+        sys.exit(BAD_INPUT)
     except (ScenarioError, OutputError) as error:
         for line in str(error).splitlines():
-            typer.echo(f"shortfinal: {line}", err=True)
+            typer.echo(f"shortfinal: {printable(line)}", err=True)
         sys.exit(BAD_INPUT)
 
 
