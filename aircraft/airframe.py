@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Protocol
 
 import jsbsim
 
-from aircraft import loading, model_files, properties
+from aircraft import loading, model_files, properties, repairs
 from aircraft.data import AircraftData, describe
 from aircraft.errors import FlightError, ModelError
 from aircraft.executive import fresh_executive, sentence
@@ -67,6 +67,7 @@ class Airframe:
     ) -> None:
         self.data = aircraft
         self.runway = runway
+        self.repairs: tuple[str, ...] = ()  # what the model needed to fly here
         self._executive = executive
         self._run = executive.run
         manager = executive.get_property_manager()
@@ -314,20 +315,32 @@ def load(
         loading.apply_centre_of_gravity(
             source, aircraft.chord_leading_edge + centre_of_gravity_mac * aircraft.mean_chord
         )
-    executive = fresh_executive(source, RATE)
+    return _built(source, aircraft, runway or Runway(), repairs.is_stock(model))
+
+
+def _built(source: model_files.Model, aircraft: AircraftData, runway: Runway, stock: bool) -> Airframe:
+    """The airframe of a model; a stock one is repaired where it waits for another simulator."""
+    told = repairs.drive_directly(source) if stock else None
     wheels = tuple(wheel.number for wheel in main_wheels(source))
-    has_propellers = any(tree.tag == "propeller" for tree in source.files.values())
-    try:
-        return Airframe(executive, aircraft, runway or Runway(), wheels, has_propellers)
-    except (KeyError, jsbsim.BaseError) as error:
-        raise ModelError(f"'{source.name}' cannot be used: {sentence([*map(str, error.args)])}") from None
+    while True:
+        executive = fresh_executive(source, RATE)
+        try:
+            airframe = Airframe(executive, aircraft, runway, wheels, repairs.has_propellers(source))
+        except (KeyError, jsbsim.BaseError) as error:
+            said = sentence([*map(str, error.args)])
+            if not stock or not repairs.define_missing(source, said):
+                raise ModelError(f"'{source.name}' cannot be used: {said}") from None
+        else:
+            airframe.repairs = tuple(text for text in (told, repairs.defined(source)) if text)
+            return airframe
 
 
 def _throttles(manager: Any) -> list[Any]:
-    """Every power lever that the model has."""
+    """Every power lever that the model has, be it one of FlightGear that the model itself turns into JSBSim's."""
     found: list[Callable[[float], bool]] = []
     while (lever := manager.get_node(f"{properties.THROTTLE.name}[{len(found)}]", False)) is not None:
-        found.append(lever.set_double_value)
+        foreign = manager.get_node(properties.FOREIGN_THROTTLE.name.format(len(found)), False)
+        found.append((foreign or lever).set_double_value)
     return found
 
 

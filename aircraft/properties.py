@@ -60,6 +60,7 @@ SURFACES = (  # JSBSim counts elevator and rudder against our signs
     Property("fcs/rudder-cmd-norm", -1.0, "rudder"),
 )
 THROTTLE = Property("fcs/throttle-cmd-norm", 1.0, "power lever, one per engine")
+FOREIGN_THROTTLE = Property("/controls/engines/engine[{}]/throttle", 1.0, "power lever of FlightGear")
 FLAPS_COMMAND = Property("fcs/flap-cmd-norm", 1.0, "flaps over their full deflection")
 FLAPS = Property("fcs/flap-pos-deg", 0.017453292519943295, "flaps")
 FLAPS_OF_FULL = Property("fcs/flap-pos-norm", 1.0, "flaps over their full deflection, of models that give no angle")

@@ -71,5 +71,8 @@ class Landing:
         return wheels < self.flare_time * (sink - self.touchdown_sink)
 
     def flare_sink(self, wheels: float) -> float:
-        """Sink, m/s, of the flare: it decays with the height of the wheels to ``touchdown_sink``."""
-        return wheels / self.flare_time + self.touchdown_sink
+        """Sink, m/s, of the flare: it decays with the height of the wheels to ``touchdown_sink`` and stays there.
+
+        So the path goes on below the runway for an aircraft that floats above it in ground effect.
+        """
+        return max(wheels, 0.0) / self.flare_time + self.touchdown_sink

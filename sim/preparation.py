@@ -18,6 +18,7 @@ from autopilot.design import RATE_MARGIN, Designed, law_of_frequency
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, Route, pattern_route
+from autopilot.stabilised_gate import StabilisedGate
 from sim import checks, departures
 from sim.errors import ScenarioError
 from sim.faults import told
@@ -33,6 +34,8 @@ TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
 MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
 REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
 REFERENCE_ADDITION = 2.5  # m/s over the reference speed, at least
+TOUCHDOWN_SINK, TOUCHDOWN_SPEED = 0.4, 58.0  # m/s: every aircraft touches down at this path angle
+SINK_MARGIN = 1.2  # of the gate over the sink of a fast approach, which is briefed for more than 1000 ft/min [FSF ALAR]
 STARTS = {"downwind": 0, "base": 1, "final": 2}  # phases on which a flight can begin, and their legs
 
 
@@ -167,8 +170,15 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
     if settings:
         reference = REFERENCE_MARGIN * aircraft.stall_speed(full, mass)
         speed = max(speed, reference + REFERENCE_ADDITION)
-    runway = scenario.runway
-    return flaps, Landing(speed, full, runway.glide_path, wheel_height=aircraft.height_of_wheels)
+    glide_path = scenario.runway.glide_path
+    return flaps, Landing(
+        speed,
+        full,
+        glide_path,
+        touchdown_sink=TOUCHDOWN_SINK * (speed / TOUCHDOWN_SPEED),
+        wheel_height=aircraft.height_of_wheels,
+        gate=StabilisedGate(sink=max(StabilisedGate.sink, SINK_MARGIN * speed * math.tan(glide_path))),
+    )
 
 
 def _route(scenario: Scenario, landing: Landing | None) -> Route:

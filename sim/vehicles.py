@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from aircraft.airframe import RATE, Airframe, Runway, Wind, load
+from aircraft.errors import TrimError
 from aircraft.linearise import linearise
 from aircraft.point_mass import PointMass, PointMassState
 from aircraft.state import AircraftState, Command
@@ -18,6 +19,7 @@ from autopilot.inner_loops import InnerLoops, LoopState
 
 LONGITUDINAL = ("airspeed", "angle_of_attack", "pitch_rate", "pitch", "height")
 LIMITS = ("bank_limit", "cross_track_limit", "cross_track_rate_limit")
+LOST = (0.0, 0.25, 0.5, 0.75)  # of the range of speeds of a configuration, where its upper end has no trim
 LATERAL = ("sideslip", "roll_rate", "yaw_rate", "bank")
 
 
@@ -142,8 +144,9 @@ def designed(
     airframe = load(model, mass, centre_of_gravity_mac, factors, runway)
     points = []
     for configuration in configurations:
-        for airspeed in (configuration.slowest, configuration.fastest):
-            points.append(operating_point(airframe, airspeed, height, configuration.flaps, configuration.gear))
+        slowest, flaps, gear = configuration.slowest, configuration.flaps, configuration.gear
+        points.append(operating_point(airframe, slowest, height, flaps, gear))
+        points.append(_fastest(airframe, configuration, height))
     return design(points, speed, bank_limit)
 
 
@@ -161,6 +164,22 @@ def operating_point(airframe: Airframe, airspeed: float, height: float, flaps: f
         linear.part(LONGITUDINAL, ("throttle", "elevator")),
         linear.part(LATERAL, ("aileron", "rudder")),
     )
+
+
+def _fastest(airframe: Airframe, configuration: Configuration, height: float) -> OperatingPoint:
+    """The operating point at the fastest speed of a configuration, or as near to it as there is one.
+
+    An aircraft that enters the glide path fast slows down there: with flaps and gear out it may have no steady level
+    flight at that speed.
+    """
+    fastest, width = configuration.fastest, configuration.fastest - configuration.slowest
+    for lost in LOST:
+        try:
+            airspeed = fastest - lost * width
+            return operating_point(airframe, airspeed, height, configuration.flaps, configuration.gear)
+        except TrimError as error:
+            reason = error
+    raise reason
 
 
 @dataclass(frozen=True)
