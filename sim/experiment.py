@@ -79,6 +79,7 @@ def run(
     overrides: dict[str, Any] | None = None,
     trackers: dict[str, Any] | None = None,
     progress: Callable[..., Any] | None = None,
+    watch: Callable[[Flight, Scenario, Any], None] | None = None,
 ) -> Result:
     """Read, fly, observe, track and judge a scenario.
 
@@ -87,6 +88,7 @@ def run(
     source : a file, a bundled name, a dict of tables or a scenario
     overrides : ``{"table.key": value}`` in the spelling of files
     trackers : further trackers by name, objects of the ``tracking.track.Tracker`` protocol
+    watch : shown flight 0, its scenario and the law that flew it, before anything tracks
 
     Raises ``ScenarioError`` for anything that cannot be run.
     """
@@ -110,6 +112,8 @@ def run(
 
     lap = time.perf_counter()
     first = flown[0]
+    if watch is not None:
+        watch(first, scenario, prepared.law)
     records = observe(first, scenario.sensors, scenario.seed, 0, scenario.draws)
     _lap(timing, "observe_s", lap)
     lap = time.perf_counter()
@@ -140,17 +144,20 @@ def run_to_folder(
     scenario = read(source, overrides)
     folder = out if out is not None else Path("out") / scenario.name
     refuse_foreign(folder, "run")
-    result = run(scenario, progress=progress)
-    claim(folder, "run")
-    with staged(folder) as place:
-        report(result, place)
-        result.timing["total_s"] = time.perf_counter() - started
-        write_json(place / "timing.json", result.timing)
+    from sim.reporting.second_process import draughtsman
+
+    with draughtsman(len(scenario.trackers)) as drawing:
+        result = run(scenario, progress=progress, watch=drawing.draw)
+        claim(folder, "run")
+        with staged(folder) as place:
+            report(result, place, drawing.charts)
+            result.timing["total_s"] = time.perf_counter() - started
+            write_json(place / "timing.json", result.timing)
     return folder, result
 
 
-def report(result: Result, folder: Path) -> None:
-    """Write the files of a run into an existing folder."""
+def report(result: Result, folder: Path, charts: Callable[[], list[Any]] | None = None) -> None:
+    """Write the files of a run into an existing folder; ``charts`` gives figures of the flight drawn elsewhere."""
     from sim.reporting.report import write
 
     lap = time.perf_counter()
@@ -172,6 +179,7 @@ def report(result: Result, folder: Path) -> None:
         tracked=result.tracks,
         records=result.records,
         built={name: build(result.prepared, name, choice)[0] for name, choice in scenario.trackers.items()},
+        flight_charts=charts,
     )
     _lap(result.timing, "report_s", lap)
 

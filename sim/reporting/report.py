@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -44,6 +45,7 @@ def write(
     tracked: dict[str, Any] | None = None,
     records: dict[str, Any] | None = None,
     built: dict[str, Any] | None = None,
+    flight_charts: Callable[[], list[Chart]] | None = None,
 ) -> Path:
     """Write the report of one run; the file needs nothing but a browser.
 
@@ -53,6 +55,7 @@ def write(
     metrics : as in metrics.json            versions, timing : name -> version, name -> s
     tracked, records : name -> Tracked, name -> SensorRecord of the first flight
     built : name -> tracker, which knows what its models are called
+    flight_charts : gives the figures of the flight where another process draws them; asked last
     """
     trackers, tracked, records = metrics.get("trackers") or {}, tracked or {}, records or {}
     modes = {
@@ -64,10 +67,13 @@ def write(
     alert = foremost(built or {}, tracked)
     script = _file("replay.js")
     equations, papers, errata = sources(what_ran(scenario, law))
+    tracker_figures = []
+    if tracked:
+        tracker_figures = tracker_charts(scenario, flight, trackers, tracked, followed, records, modes, alert)
     page = _template().render(
         **first_screen(scenario, flight, metrics, followed),
         conformance=told_in_words(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
-        charts=charts(flight, scenario, law),
+        charts=flight_charts() if flight_charts is not None else charts(flight, scenario, law),
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
         events=event_rows(flight),
         outcome=words(metrics["flight"]["outcome"]),
@@ -76,9 +82,7 @@ def write(
         flight_rows=halves(scalar_rows(metrics["flight"])),
         spread=spread_rows(metrics.get("flights_summary", {})),
         trackers=tracker_tables(trackers) if trackers else [],
-        tracker_charts=tracker_charts(scenario, flight, trackers, tracked, followed, records, modes, alert)
-        if tracked
-        else [],
+        tracker_charts=tracker_figures,
         replay=replay(flight, scenario, followed, records),
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
