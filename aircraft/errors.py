@@ -7,7 +7,6 @@ from typing import Any
 
 from aircraft.state import AircraftState
 
-
 LONGEST_MESSAGE = 600  # characters
 
 

@@ -53,7 +53,12 @@ def folder(model: str | Path) -> Path:
     """
     text = str(model)
     if isinstance(model, Path) or "/" in text or "\\" in text:
-        return _users_folder(Path(model))
+        try:
+            return _users_folder(Path(model))
+        except ModelError:
+            raise
+        except (OSError, ValueError) as error:
+            raise ModelError(f"'{text}' can be no folder: {getattr(error, 'strerror', None) or error}") from None
     for place in (OWN_MODELS / text, stock_root() / "aircraft" / text):
         if text and is_file(place / f"{place.name}.xml"):
             return place

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from sim import flight as flights
+from sim.budget import refuse_too_much
 from sim.checks import judge
 from sim.departures import noted
 from sim.doctor import versions
@@ -98,6 +99,7 @@ def run(
     if isinstance(source, Scenario):
         source = source.tables
     scenario = read(source, changes)
+    refuse_too_much(scenario)
     timing: dict[str, float] = {}
     prepared = prepare(scenario)
     check(prepared)

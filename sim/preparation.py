@@ -136,13 +136,17 @@ def _prepared(scenario: Scenario) -> Prepared:
         prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, _warnings(scenario, aircraft))
         _ = prepared.pilot  # it can be left like that, or says why not
     except (ModelError, TrimError, FlightError, ValueError) as error:
-        raise ScenarioError(f"{scenario.name}: {place} {error}") from None
+        raise ScenarioError(told(scenario.name, [f"{place} {error}"])) from None
+    except ArithmeticError as error:
+        raise ScenarioError(f"{scenario.name}: {place} no design is possible with these numbers: {error}") from None
     return prepared
 
 
 def _data(scenario: Scenario) -> AircraftData:
     model = scenario.aircraft.model
     known = AircraftData("point mass") if model == "point_mass" else complete(model)
+    if model == "point_mass" and scenario.aircraft.factors:
+        raise ModelError("the point mass has no factors")
     mass = scenario.aircraft.mass
     if mass is not None and not known.mass_min <= mass <= known.mass_max:
         raise ModelError(
@@ -214,8 +218,10 @@ def _designed(
     if scenario.designed is not None:
         try:
             return Designed.from_table(scenario.designed)
-        except (KeyError, TypeError) as error:
-            raise ValueError(f"[designed] cannot be used: {error}; take the table out to design anew") from None
+        except KeyError as error:
+            raise ValueError(f"[designed] lacks {error}; take the table out to design anew") from None
+        except (TypeError, ValueError, AttributeError, IndexError):
+            raise ValueError("[designed] cannot be used; take the table out to design anew") from None
     slowest, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
     bank_limit = scenario.autopilot.bank_limit
     choice = scenario.aircraft

@@ -18,6 +18,7 @@ from typing import Any
 from sim import ensemble, flight_cache
 from sim import study_folder as folders
 from sim.axes import Axis, Listed, cells, samples
+from sim.budget import available_memory
 from sim.checks import SCALARS
 from sim.doctor import versions
 from sim.ensemble import Job, with_values
@@ -198,7 +199,7 @@ def read_text(text: str) -> Scenario:
 
 def _refuse_too_much(planned: Study, folder: Path, workers: int) -> None:
     """Memory and disk that the study needs, before it starts."""
-    available = _available_memory()
+    available = available_memory()
     if available is not None and workers * WORKER_SIZE > available:
         fitting = max(1, available // WORKER_SIZE)
         raise OutputError(
@@ -212,15 +213,6 @@ def _refuse_too_much(planned: Study, folder: Path, workers: int) -> None:
             f"{folder}: {planned.flights} flights need up to {needed / 1e6:.3g} MB of disk, "
             f"and {free / 1e6:.3g} MB are free"
         )
-
-
-def _available_memory() -> int | None:
-    """Bytes that new processes can have; None where the system does not say."""
-    try:
-        rows = dict(line.split(":", 1) for line in Path("/proc/meminfo").read_text().splitlines())
-        return int(rows["MemAvailable"].split()[0]) << 10
-    except (OSError, KeyError, ValueError):
-        return None
 
 
 def _fly_all(

@@ -12,6 +12,18 @@ from aircraft.turbulence_intensity import INTENSITIES
 from aircraft.wind_shear import HIGHEST, LOWEST, LogarithmicProfile, PowerProfile
 from sim.axes import Axis, Sampled, axis
 
+FASTEST = 1000.0  # m/s, of anything that flies an approach
+HIGHEST_FLIGHT = 30_000.0  # m
+FARTHEST = 1e6  # m from the threshold; the local metric is long wrong there
+
+
+def _within(instance: Any, low: float, high: float, unit: str, *names: str) -> None:
+    """Refuse numbers that no approach has; None is not used."""
+    for name in names:
+        value = getattr(instance, name)
+        if value is not None and not low <= value <= high:
+            raise ValueError(f"{name.rstrip('_')} must lie within {low:g} and {high:g} {unit}")
+
 
 @dataclass(frozen=True)
 class Runway:
@@ -29,6 +41,8 @@ class Runway:
             raise ValueError("latitude must be within 85 degrees of the equator: the local metric fails near a pole")
         if not 0 < self.glide_path <= math.radians(10):
             raise ValueError("glide_path must be above 0 and at most 10 degrees")
+        _within(self, -500.0, 9000.0, "m", "elevation")
+        _within(self, -FARTHEST, FARTHEST, "m", "aiming_point")
 
     def to_local(self, past_threshold: Any, right: Any) -> tuple[Any, Any]:
         """(north, east) of a point given along and to the right of the runway, m."""
@@ -53,6 +67,7 @@ class AircraftChoice:
     def __post_init__(self) -> None:
         if self.mass is not None and self.mass <= 0:
             raise ValueError("mass must be above 0")
+        _within(self, 0.0, 1e6, "kg", "mass")
         for name, factor in self.factors.items():
             if not math.isfinite(factor) or factor <= 0:
                 raise ValueError(f"factors.{name} must be a finite number above 0")
@@ -78,6 +93,9 @@ class Start:
             raise ValueError("height must be above 0: a flight starts above the ground")
         if self.distance is not None and self.distance <= 0:
             raise ValueError("distance must be above 0")
+        _within(self, 0.0, FASTEST, "m/s", "speed")
+        _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
+        _within(self, -FARTHEST, FARTHEST, "m", "cross_track", "distance")
 
 
 @dataclass(frozen=True)
@@ -99,6 +117,10 @@ class PatternTable:
                 raise ValueError(f"{name} must be above 0")
         if self.deceleration <= 0:
             raise ValueError("deceleration must be above 0")
+        _within(self, 0.0, 100.0, "m/s2", "deceleration")
+        _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
+        _within(self, 0.0, FARTHEST, "m", "downwind_abeam", "base_distance")
+        _within(self, 1.0, FASTEST, "m/s", "downwind_speed", "turn_speed", "approach_speed")
 
 
 @dataclass(frozen=True)
@@ -115,6 +137,10 @@ class LegTable:
             raise ValueError("a leg needs two different points")
         if self.speed <= 0 or self.height <= 0:
             raise ValueError("speed and height of a leg must be above 0")
+        _within(self, 1.0, FASTEST, "m/s", "speed")
+        _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
+        if max(map(abs, (*self.from_, *self.to))) > FARTHEST:
+            raise ValueError(f"the ends of a leg must lie within {FARTHEST / 1e3:g} km of the threshold")
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,8 @@ def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, st
     sensors = {sensor: prepared.scenario.sensors[sensor] for sensor in choice.sensors}
     supplied: dict[str, Any] = {}
     law_from = None
+    if choice.law and "law" not in wanted:
+        raise ScenarioError(f"[trackers.{name}.law] kind '{choice.kind}' uses no law")
     if "law" in wanted:
         supplied["law"], law_from = _told(prepared.law, name, choice)
     if "other_law" in wanted:
