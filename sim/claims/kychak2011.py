@@ -22,7 +22,7 @@ from sim.claims.runs.kychak2011 import (
 )
 from sim.claims.verdict import above, between, number
 
-FLOWN = "The last 600 scans of a JSBSim glide path before the decision height; runs are draws of noise."
+FLOWN = "The last 400 scans of a JSBSim glide path before the decision height; runs are draws of noise."
 GAIN = between("25", "30", good=1)
 FIRST, HALF_SECOND = slice(0, 1), slice(0, EARLY)
 CLAIMS: tuple[Claim, ...] = (

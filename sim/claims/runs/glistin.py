@@ -75,7 +75,7 @@ def motion(flight: str) -> AircraftState:
     """The record of a flight, seen from the radar."""
     if flight != JSBSIM:
         return FLIGHTS[flight].fly(step=FINEST).state
-    whole = flown(SCENARIO)
+    whole = flown(SCENARIO, ("until_s", 185.0))  # the turn is over a minute before
     turn = np.flatnonzero(whole.during("final_turn"))
     time = whole.state.time
     chosen = (time >= time[turn[0]] - BEFORE) & (time <= time[turn[-1]] + BEHIND)

@@ -108,5 +108,6 @@ TUNED: dict[tuple[str, str], dict[str, dict[str, float]]] = {
         "kinematic": {"kinematic_density": 1e-07, "kinematic_correlation_time": 20.0},
         "published": {"azimuth_density": 3.16e-08, "range_density": 100.0},
         "corrected": {"azimuth_density": 3.16e-10, "range_density": 31.6},
+        "corrected_residual": {"azimuth_density": 1e-10, "azimuth_correlation_time": 20.0, "range_density": 31600.0},
     },
 }  # what `tune` chose

@@ -19,7 +19,7 @@ from tracking.track import follow
 from tracking.trackers.elevation import PERIOD, Elevation
 from tracking.trackers.switching_noise import BeamNoise, SwitchingNoise
 
-STEPS, SETTLED = 600, 200
+STEPS, SETTLED = 400, 200
 SHARE, FACTOR = 0.2, 30.0
 EFFECTIVE = 1.0 - SHARE + SHARE * FACTOR**2  # variance of the mixture over the nominal one
 LONG = 40.0  # scans that a burst lasts on average

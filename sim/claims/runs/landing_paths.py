@@ -22,7 +22,7 @@ SHARPEST = 120  # deg that the law turns onto one leg; more are flown as a turn 
 BEFORE, BANK = 5000.0, math.radians(15.0)  # m straight before that turn, rad
 FINER = 7  # records of that turn within a scan
 ENTRIES = [(LEFT, turn) for turn in TURNS] + [(RIGHT, turn) for turn in TURNS[1:]]
-EACH = 40  # runs of an entry: entries are many, and what they show is large
+EACH = 20  # runs of an entry: entries are many, and what they show is large
 
 
 class Path(NamedTuple):

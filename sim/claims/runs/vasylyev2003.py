@@ -81,11 +81,11 @@ def seen(truth: Any, runs: int, generator: np.random.Generator, period: float, l
     return Capture(np.broadcast_to(truth, (len(z), 2, runs)), measurements, prior, law, Line(speed))
 
 
-@lru_cache(maxsize=8)
-def ensemble(seed: int, runs: int, period: float, density: float) -> dict[tuple[float, str], Capture]:
-    """Captures of the double integrator by start (m) and limits, flown side by side."""
+@lru_cache(maxsize=4)
+def flights(seed: int, runs: int, density: float) -> dict[tuple[float, str], Any]:
+    """Deviation and rate (s, 2, runs) at every second in the double integrator, by start (m) and limits."""
     cases = [(OUTSIDE, "limited"), (OUTSIDE, "unlimited")]
-    if (period, density) == (PERIOD, DENSITY):
+    if density == DENSITY:
         cases += [(start, "limited") for start in (*GRID, 8000.0)]
     starts = np.repeat([start for start, _ in cases], runs)
     free = np.repeat([limits == "unlimited" for _, limits in cases], runs)
@@ -94,12 +94,20 @@ def ensemble(seed: int, runs: int, period: float, density: float) -> dict[tuple[
     motion = RouteCapture(
         "double_integrator", law, starts, speed=4.0 * SPEED, duration=DURATION, acceleration_density=density
     )
-    name = f"vasylyev2003.{period}.{density}"
-    state = motion.fly(stream(seed, 0, 0, f"{name}.air"), step=period).state
+    state = motion.fly(stream(seed, 0, 0, f"vasylyev2003.{density}.air"), step=1.0).state
     truth = np.stack([state.east, state.velocity_east], axis=1)
-    noise = stream(seed, 0, 0, f"{name}.radar")
-    parts = {case: truth[:, :, i * runs : (i + 1) * runs] for i, case in enumerate(cases)}
-    return {case: seen(part, runs, noise, period, NOMINAL, SPEED) for case, part in parts.items()}
+    return {case: truth[:, :, i * runs : (i + 1) * runs] for i, case in enumerate(cases)}
+
+
+@lru_cache(maxsize=8)
+def ensemble(seed: int, runs: int, period: float, density: float) -> dict[tuple[float, str], Capture]:
+    """Captures with their radar, by start (m) and limits; the period is whole seconds."""
+    noise = stream(seed, 0, 0, f"vasylyev2003.{period}.{density}.radar")
+    parts = flights(seed, runs, density)
+    if (period, density) != (PERIOD, DENSITY):
+        parts = {case: part for case, part in parts.items() if case[0] == OUTSIDE}
+    every = round(period)
+    return {case: seen(part[::every], runs, noise, period, NOMINAL, SPEED) for case, part in parts.items()}
 
 
 @lru_cache(maxsize=8)

@@ -65,7 +65,7 @@ def level_leg(truth: str = PAPER) -> Leg:
         distance = 15e3 - 150.0 * time + 0.3125 * time**2
         motion = elevation_of(distance, 200.0, -150.0 + 0.625 * time, 0.0, 0.625)
         return Leg(motion.angle, distance, float(motion.rate[0]))
-    flight = flown(truth)
+    flight = flown(truth, ("until_s", 100.0))  # the glide path begins before
     level = flight.flight.time[flight.during("final")][-1]
     angle, distance = flight.elevation(PERIOD * np.arange(1, math.floor(level / PERIOD)))
     return Leg(angle, distance, float((angle[1] - angle[0]) / PERIOD))
