@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
 from typing import Any
 
 from sim.flight import Flight
@@ -18,13 +17,13 @@ from sim.reporting.style import Chart
 FEW = 4  # trackers are done before a second process has got ready
 
 
-@dataclass
 class Draughtsman:
     """Draws in another process, or in this one where there is no other or it is lost."""
 
-    pool: ProcessPoolExecutor | None = None
-    _given: tuple[Any, ...] = field(default=(), init=False, repr=False)
-    _drawn: Future[list[Chart]] | None = field(default=None, init=False, repr=False)
+    def __init__(self, pool: ProcessPoolExecutor | None = None) -> None:
+        self.pool = pool
+        self._given: tuple[Any, ...] = ()
+        self._drawn: Future[list[Chart]] | None = None
 
     def draw(self, flight: Flight, scenario: Any, law: Any) -> None:
         """Begin with the figures of a flight; returns at once."""
