@@ -45,14 +45,14 @@ def weather_charts(flight: Flight, scenario: Any) -> Iterator[tuple[str, Any, st
         ),
     )
     if table.profile is not None or table.intensity > 0.0:
+        gusts = turbulence_met(flight, scenario)
         yield (
             "Wind and turbulence over height",
-            profiles(flight, scenario),
+            profiles(flight, scenario, gusts),
             "Lines: as the scenario says. Dots: the flight, in layers of a tenth of its height; mean wind with all "
             "events, turbulence without them.",
         )
-    if table.intensity > 0.0:
-        spectrum = spectra(flight, scenario)
+        spectrum = spectra(flight, scenario, gusts) if table.intensity > 0.0 else None
         if spectrum is not None:
             yield (
                 "Spectra of the turbulence",
@@ -99,7 +99,7 @@ def wind_history(flight: Flight, with_energy: bool) -> Any:
     return figure
 
 
-def profiles(flight: Flight, scenario: Any) -> Any:
+def profiles(flight: Flight, scenario: Any, gusts: np.ndarray) -> Any:
     """Figure of mean wind and turbulence over height, as said and as flown."""
     table, state = scenario.wind, flight.state
     top = max(HIGHEST, 1.1 * float(np.max(state.height)))
@@ -110,6 +110,7 @@ def profiles(flight: Flight, scenario: Any) -> Any:
     speed.set_position((box.x0, box.y0, width, box.height))
     spread = figure.add_axes((box.x1 - width, box.y0, width, box.height), sharey=speed)
     spread.tick_params(labelleft=False)
+    speed.yaxis.set_label_coords(-0.56 / (width * style.WIDTH), 0.5)
 
     mean = np.hypot(*np.array([table.at(float(height)) for height in heights]).T)
     speed.plot(mean, heights, color=style.BLUE, label="mean wind")
@@ -117,7 +118,7 @@ def profiles(flight: Flight, scenario: Any) -> Any:
     if table.intensity > 0.0:
         spread.plot([now.sigma_along for now in said], heights, color=style.ORANGE, label="along, across")
         spread.plot([now.sigma_up for now in said], heights, color=style.GREEN, label="upwards")
-    gusts, met = turbulence_met(flight, scenario), flight.wind
+    met = flight.wind
     edges = np.linspace(0.0, float(np.max(state.height)) + 1.0, LAYERS + 1)
     layer = np.digitize(state.height, edges)
     for number in np.unique(layer):
@@ -156,18 +157,20 @@ def turbulence_met(flight: Flight, scenario: Any) -> np.ndarray:
     return np.array((c * north + s * east, c * east - s * north, up))
 
 
-def spectra(flight: Flight, scenario: Any) -> Any | None:
-    """Figure of the spectra along, across and up on the longest level stretch; None where there is none."""
+def spectra(flight: Flight, scenario: Any, gusts: np.ndarray) -> Any | None:
+    """Figure of the spectra along, across and up on the longest level stretch; None where it is short.
+
+    ``gusts`` (3, k) m/s are those of ``turbulence_met``.
+    """
     level = np.array([leg.height for leg in flight.route.legs])[flight.leg]
     stretches = where(np.abs(flight.state.height - level) < LEVEL)
     first, last = max(stretches, key=lambda ends: ends[1] - ends[0], default=(0, 0))
     if last - first < WINDOW:
         return None
-    gusts = turbulence_met(flight, scenario)[:, first:last]
     airspeed = float(flight.state.airspeed[first:last].mean())
     now = intensity(float(flight.state.height[first:last].mean()), scenario.wind.intensity)
     figure, axes = style.grid(1, 3, 1.9)
-    for panel, gust, name in zip(axes, gusts, ("along the mean wind", "across", "upwards"), strict=True):
+    for panel, gust, name in zip(axes, gusts[:, first:last], ("along the mean wind", "across", "upwards"), strict=True):
         frequency, density = spectrum(gust)
         shown = (frequency > 0.0) & (frequency < FOLDED)
         sigma, length = (now.sigma_up, now.length_up) if name == "upwards" else (now.sigma_along, now.length_along)

@@ -266,12 +266,12 @@ def test_turbulence_is_told_from_the_rest_of_the_wind(make_flight):
         time, ["final"] * len(time), north=north, height=height,
         velocity_north=70.0 + total[0], velocity_east=total[1], velocity_up=total[2],
     )  # fmt: skip
-    along, right, up = turbulence_met(flight, scenario)
+    along, right, up = met = turbulence_met(flight, scenario)
     c, s = math.cos(math.radians(210.0)), math.sin(math.radians(210.0))  # the wind blows towards 210 deg
     assert along == pytest.approx(c * random[0] + s * random[1], abs=1e-9)
     assert right == pytest.approx(c * random[1] - s * random[0], abs=1e-9)
     assert up == pytest.approx(random[2], abs=1e-9)
-    assert spectra(flight, scenario) is not None
+    assert spectra(flight, scenario, met) is not None
 
 
 def test_a_drawn_spectrum_has_the_variance_of_its_record():
