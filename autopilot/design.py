@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import solve_continuous_are
+from scipy.linalg import expm, solve_continuous_are
 
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.modes.lateral_navigation import LateralNavigation
@@ -27,6 +27,10 @@ AILERON = RUDDER = 0.35
 REFERENCE_SHARE = (
     3.0  # of the bandwidth of the bank loop: natural frequency of the reference, which only rounds corners
 )
+COMMAND_RATE = math.radians(5.0)  # rad/s, at which the commanded bank runs up to its limit
+BANK_OVERSHOOT = 0.1  # of the bank limit, over it at the end of that ramp; a slow loop needs a slower reference
+SETTLED, STEP = 20.0, 0.05  # s, of the ramp that is looked at
+SLOWEST_REFERENCE = 0.3  # of the bandwidth
 LAW_SHARE = 1.0 / 6.0  # of the bandwidth of the bank loop: fastest natural frequency of the route law
 BANK_SHARE = 0.85  # of the bank limit that an undisturbed intercept may use
 LAW_DAMPING = 0.95
@@ -138,7 +142,7 @@ def design(points: Sequence[OperatingPoint], speed: float, bank_limit: float) ->
     return Designed(
         tuple(schedules),
         bandwidth,
-        REFERENCE_SHARE * bandwidth,
+        reference_frequency(points, bandwidth, bank_limit),
         steady_sideslip(min(points, key=lambda point: point.airspeed))[2],
         law.k1,
         law.k2,
@@ -219,6 +223,44 @@ def bank_bandwidth(point: OperatingPoint) -> float:
     if not len(below):
         raise ValueError("the bank loop has no bandwidth: the model has no usable ailerons")
     return float(frequency[below[0]])
+
+
+def reference_frequency(points: Sequence[OperatingPoint], bandwidth: float, bank_limit: float) -> float:
+    """Natural frequency, rad/s, of the bank reference: as high as the bank's overshoot over its limit allows."""
+    highest = REFERENCE_SHARE * bandwidth
+
+    def overshoots(frequency: float) -> bool:
+        return any(bank_overshoot(point, frequency, bank_limit) > BANK_OVERSHOOT * bank_limit for point in points)
+
+    if not overshoots(highest):
+        return highest
+    low, high = SLOWEST_REFERENCE * bandwidth, highest
+    while high > 1.02 * low:
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if overshoots(middle) else (middle, high)
+    return low
+
+
+def bank_overshoot(point: OperatingPoint, frequency: float, bank_limit: float) -> float:
+    """How far, rad, the bank goes over its limit when the command runs up to it at ``COMMAND_RATE``.
+
+    ``frequency`` (rad/s) is that of the critically damped reference between the command and the closed bank loop.
+    """
+    A, B, C = bank_loop(point)
+    A9 = np.zeros((9, 9))  # the loop, the reference and its rate, the command and its rate
+    A9[:5, :5], A9[:5, 5:7] = A, B
+    A9[5, 6] = A9[7, 8] = 1.0
+    A9[6, 5:8] = -frequency * frequency, -2.0 * frequency, frequency * frequency
+    onward = expm(A9 * STEP)
+    ramp = round(bank_limit / COMMAND_RATE / STEP)
+    x, peak = np.zeros(9), 0.0
+    x[8] = bank_limit / (ramp * STEP)
+    for step in range(round(SETTLED / STEP)):
+        if step == ramp:
+            x[8] = 0.0
+        x = onward @ x
+        peak = max(peak, float(C @ x[:5]))
+    return peak - bank_limit
 
 
 def intercept_peak(damping: float) -> float:
