@@ -58,7 +58,8 @@ def folder(model: str | Path) -> Path:
         except ModelError:
             raise
         except (OSError, ValueError) as error:
-            raise ModelError(f"'{text}' can be no folder: {getattr(error, 'strerror', None) or error}") from None
+            reason = getattr(error, "strerror", None) or error
+            raise ModelError(f"'{text[:LONGEST_REFERENCE]}' can be no folder: {reason}") from None
     for place in (OWN_MODELS / text, stock_root() / "aircraft" / text):
         if text and is_file(place / f"{place.name}.xml"):
             return place

@@ -16,6 +16,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
 from aircraft.units import spellings
+from sim.faults import stem
 
 GIVEN = "given"
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
@@ -117,7 +118,8 @@ def model_of(
                 if len(used) > 1:
                     raise ValueError(f"'{used[0]}' and '{used[1]}' are two spellings of one value; keep one")
                 if not used and parameter.required and not partial and len(parameter.keys) > 1:
-                    raise ValueError(f"'{next(iter(parameter.keys))}' is missing")
+                    wrong = [f", '{key}' is no unit of it" for key in table if stem(key) == parameter.name]
+                    raise ValueError(f"'{next(iter(parameter.keys))}' is missing{''.join(wrong[:1])}")
         return table
 
     return create_model(

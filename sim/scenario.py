@@ -30,6 +30,7 @@ from sim.tables import (
 
 LARGEST_FILE = 1 << 20  # bytes; a scenario is a page of text
 DEEPEST = 100  # dots of one key; many more would keep the reader busy for minutes
+LONGEST_PATH = 200  # characters that are repeated to the user
 MOST_NAMES = 50  # sensors or trackers of one scenario
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 ROUTES = {"pattern": PatternTable, "legs": LegsTable}
@@ -153,7 +154,7 @@ def _content(path: Path, source: str) -> bytes:
         if path.exists() or path.suffix == ".toml" or "/" in source:
             raise ScenarioError(f"{path}: {'no regular file' if path.exists() else 'no such file'}")
     except OSError as error:
-        raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from None
+        raise ScenarioError(f"{str(path)[:LONGEST_PATH]}: cannot be read: {error.strerror}") from None
     near = did_you_mean(source, [*catalogue.scenarios(), *catalogue.studies()])
     raise ScenarioError(told(f"no scenario '{source}'", [near]))
 
