@@ -100,9 +100,10 @@ class Sandbox(NamedTuple):
         log = self.root / "watch.log"
         return [json.loads(line) for line in log.read_text().splitlines()] if log.is_file() else []
 
-    def offences(self) -> list[str]:
-        """Acts outside ``out`` and the temporary folder, sockets, and processes that are not the program's own."""
-        allowed = (str(self.place("cwd") / "out"), str(self.place("tmp")), os.devnull, str(self.root / "told.jsonl"))
+    def offences(self, asked: Sequence[str] = ()) -> list[str]:
+        """Acts outside ``out``, ``asked`` places and the temporary folder; sockets; processes of others."""
+        places = [str(self.place("cwd") / name) for name in ("out", *asked)]
+        allowed = (*places, str(self.place("tmp")), os.devnull, str(self.root / "told.jsonl"))
         return [
             " ".join(act)
             for act in self.acts()
