@@ -142,6 +142,13 @@ def test_impossible_turbulence_is_refused(wind_at_20_ft, rate):
         Turbulence(wind_at_20_ft, np.random.default_rng(1), rate=rate)
 
 
+@pytest.mark.parametrize(("height", "sigma"), [(500.0, 2.42), (800.0, 3.07), (2000.0, 3.13)])
+def test_intensity_aloft_agrees_with_jsbsims_turbulence(height, sigma):
+    """Its Milspec at severity 4, moderate, as tests/acceptance/test_weather.py measures it over 8000 s."""
+    now = intensity(height, MODERATE)
+    assert (now.sigma_along, now.sigma_up) == pytest.approx((sigma, sigma), rel=0.05)
+
+
 # ---- aloft, and the spectra --------------------------------------------------------------------------------------
 
 
