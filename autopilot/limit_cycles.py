@@ -139,6 +139,16 @@ def least_offset(limited: LimitedLoop, law: LateralNavigation) -> float:
     return min((one.demand for one in balances if not one.is_stable), default=math.inf) / float(law.k1)
 
 
+def caught(limited: LimitedLoop, law: LateralNavigation, cross_track: float) -> LimitCycle | None:
+    """The stable cycle to which an aircraft comes from rest beside the line (m); None where it fades, or never ends."""
+    balances, grows = _balances(limited, law)
+    into = balances[0] if grows and balances else None
+    for below, above in itertools.zip_longest(balances, balances[1:]):
+        if not below.is_stable and below.demand <= law.k1 * cross_track:
+            into = above
+    return None if into is None else _described(limited, *into)
+
+
 def onset(limited: LimitedLoop, cross_track: float) -> float:
     """Smallest natural frequency of the law, rad/s, whose oscillation lasts when begun at rest beside the line (m)."""
     loop = limited.loop

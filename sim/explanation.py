@@ -9,9 +9,12 @@ from aircraft.linearise import linearise
 from aircraft.modes import LEVEL_SOURCE, flying_qualities, modes
 from aircraft.trim import TrimError, trim
 from autopilot.analysis import frequency_and_damping
+from autopilot.limit_cycles import caught, least_offset, limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
+from autopilot.route_loop import linear_onset, margins
 from sim.preparation import TIME_LIMIT, Prepared, prepare
 from sim.quarantine import apart
+from sim.route_loops import has_route_loop, scenario_loop
 from sim.scenario import Scenario
 from sim.summary import table
 from sim.weather import words
@@ -116,7 +119,27 @@ def _law(prepared: Prepared) -> str:
         f"{law.cross_track_rate_limit:.1f} m/s; intercept speed {law.intercept_speed:.1f} m/s\n"
         f"inside the limits: {frequency:.3f} rad/s, damping {damping:.2f}; bank loop "
         f"{prepared.designed.bank_bandwidth:.2f} rad/s"
+    ) + (f"\n{_route_loop(prepared, law)}" if has_route_loop(prepared) else "")
+
+
+def _route_loop(prepared: Prepared, law: LateralNavigation) -> str:
+    """Margins of the loop that the law closes on its first leg, and the oscillation that its limits can sustain."""
+    loop = apart(prepared.scenario, TIME_LIMIT, scenario_loop, prepared)
+    found, linear = margins(loop, law), linear_onset(loop, law.bank_limit)
+    limited = limited_loop(loop, law.bank_limit, prepared.autopilot.roll_rate_limit)
+    offset = least_offset(limited, law)
+    text = (
+        f"sampled loop: gain margin {found.gain:.2f}, phase margin {math.degrees(found.phase):.0f} deg; laws from "
+        f"{linear:.2f} rad/s ({linear / loop.bandwidth:.2f} of the bank loop) are unstable\nlimit cycle by theory: "
     )
+    if math.isinf(offset):
+        return f"{text}none, every oscillation fades"
+    begun = f"caught from {offset:.1f} m beside the leg at rest" if offset else "whatever the start"
+    cycle = caught(limited, law, offset)
+    if cycle is None:
+        return f"{text}{begun}, without an amplitude of its own"
+    bank = math.degrees(cycle.bank)
+    return f"{text}{begun}; bank {bank:.1f} deg, period {cycle.period:.1f} s, cross-track {cycle.cross_track:.1f} m"
 
 
 def _during(during: str | tuple[str, ...]) -> str:

@@ -312,7 +312,7 @@ class StudyTable:
     axes: dict[str, Any]
     samples: int = 1
     show: tuple[str, ...] = ()  # metrics that the report draws; absent = those of the checks, or the usual ones
-    theory: Literal["orbit", "energy"] | None = None  # the border that maps draw
+    theory: Literal["orbit", "energy", "gain"] | None = None  # the border that maps draw
     checks: tuple[StudyCheck, ...] = ()
 
     def __post_init__(self) -> None:

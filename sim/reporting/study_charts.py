@@ -10,9 +10,11 @@ import numpy as np
 from sim.reporting import style
 from sim.reporting.quantities import split, words
 from sim.reporting.style import Chart
-from sim.study_theory import THEORIES, border
+from sim.study_theory import THEORIES, Line
 
 MOST_LINES = 6
+FINE = 101  # points of a line of theory over x
+SECTIONS = 4  # lines of a map that are drawn beside theory
 OUTCOME_COLOURS = {
     "completed": style.SKY,
     "landed": style.GREEN,
@@ -47,33 +49,28 @@ def study_charts(
     if fewest <= MOST_LINES and scenario.study.theory is None:
         few, many = sorted(listed[:2], key=lambda address: len(metrics["axes"][address]["values"]))
         return [_curves(name, many, few, metrics) for name in shown]
-    line = _border(scenario, metrics, listed[0])
-    charts = [_outcome_map(listed[0], listed[1], metrics, line)] if len(metrics["outcomes"]) > 1 else []
-    return charts + [_map(name, listed[0], listed[1], metrics, line) for name in shown]
+    lines = _lines(scenario, metrics, listed[0], listed[1])
+    charts = [_outcome_map(listed[0], listed[1], metrics, lines)] if len(metrics["outcomes"]) > 1 else []
+    charts += [_map(name, listed[0], listed[1], metrics, lines) for name in shown]
+    return charts + _sections(scenario, metrics, listed[0], listed[1], shown)
 
 
-class Border(NamedTuple):
-    """What theory says, as a line of a map."""
-
-    label: str
-    x: np.ndarray
-    y: np.ndarray
-
-
-def _border(scenario: Any, metrics: dict[str, Any], x: str) -> Border | None:
+def _lines(scenario: Any, metrics: dict[str, Any], x: str, y: str) -> tuple[Line, ...]:
+    """What theory says about a map."""
     if scenario.study.theory is None:
-        return None
+        return ()
     values = metrics["axes"][x]["values"]
-    fine = np.linspace(min(values), max(values), 101)
-    return Border(THEORIES[scenario.study.theory].label, fine, border(scenario.study.theory, scenario, fine))
+    fine = np.linspace(min(values), max(values), FINE)
+    return THEORIES[scenario.study.theory].lines(scenario, fine, np.array(metrics["axes"][y]["values"], float))
 
 
-def _draw(axes: Any, line: Border | None) -> None:
-    """The border over a map, which keeps its own extent."""
-    if line is not None:
-        extent = axes.get_ylim()
-        axes.plot(line.x, line.y, color=style.BLACK, linewidth=1.6, label=line.label)
-        axes.set_ylim(extent)
+def _draw(axes: Any, lines: Sequence[Line]) -> None:
+    """Borders over a map, which keeps its own extent."""
+    extent = axes.get_xlim(), axes.get_ylim()
+    for line, dashes in zip(lines, ("-", "--", ":"), strict=False):
+        axes.plot(line.x, line.y, color=style.BLACK, linewidth=1.6, linestyle=dashes, label=line.label)
+    axes.set_xlim(extent[0])
+    axes.set_ylim(extent[1])
 
 
 def scale(address: str, values: Sequence[Any]) -> Scale:
@@ -136,17 +133,19 @@ def _edges(at: np.ndarray) -> np.ndarray:
     return np.concatenate(([2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]))
 
 
-def _map(name: str, x: str, y: str, metrics: dict[str, Any], line: Border | None) -> Chart:
+def _map(name: str, x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line]) -> Chart:
     table = _table(metrics, x, y, lambda row: (figure_of(row, name) or {}).get("p50", np.nan))
     across, up = (scale(address, metrics["axes"][address]["values"]) for address in (x, y))
-    figure, (axes,) = style.panels(3.4)
+    figure, (axes,) = style.panels(3.4, top=0.3 if lines else style.TOP)
     axes.grid(False)
     axes.set_facecolor(style.LIGHT)
     ratio = " / " in name
     scaled = np.log10(table) if ratio else table
     look = {"cmap": "RdBu_r", "vmin": -(most := np.nanmax(np.abs(scaled))), "vmax": most} if ratio else {}
     mesh = axes.pcolormesh(_edges(across.at), _edges(up.at), scaled, linewidth=0, **look)
-    _draw(axes, line)
+    _draw(axes, lines)
+    if lines:
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(lines))
     if ratio and np.nanmin(scaled) < 0 < np.nanmax(scaled) and min(table.shape) > 1:
         axes.contour(across.at, up.at, scaled, levels=[0.0], colors=style.BLACK, linewidths=1.4)
     figure.colorbar(mesh, ax=axes, label="log10 of the ratio" if ratio else label(name), pad=0.02)
@@ -158,7 +157,7 @@ def _map(name: str, x: str, y: str, metrics: dict[str, Any], line: Border | None
     return Chart(label(name), style.data_uri(figure), caption)
 
 
-def _outcome_map(x: str, y: str, metrics: dict[str, Any], line: Border | None) -> Chart:
+def _outcome_map(x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line]) -> Chart:
     names = sorted(metrics["outcomes"])
     table = _table(metrics, x, y, lambda row: names.index(max(sorted(row["outcomes"]), key=row["outcomes"].get)))
     across, up = (scale(address, metrics["axes"][address]["values"]) for address in (x, y))
@@ -170,11 +169,38 @@ def _outcome_map(x: str, y: str, metrics: dict[str, Any], line: Border | None) -
     axes.pcolormesh(_edges(across.at), _edges(up.at), table, cmap=colours, vmin=-0.5, vmax=len(names) - 0.5)
     for name in names:
         axes.plot([], [], "s", color=OUTCOME_COLOURS.get(name, style.GREY), label=words(name))
-    _draw(axes, line)
+    _draw(axes, lines)
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(names) + 1)
     _set(axes.xaxis, across)
     _set(axes.yaxis, up)
     return Chart("Outcomes", style.data_uri(figure), "The commonest outcome of each cell.")
+
+
+def _sections(scenario: Any, metrics: dict[str, Any], x: str, y: str, shown: Sequence[str]) -> list[Chart]:
+    """Lines through a map at some values of y, with the figures that theory predicts along them."""
+    theory = THEORIES.get(scenario.study.theory)
+    if theory is None or theory.figures is None:
+        return []
+    across = scale(x, metrics["axes"][x]["values"])
+    values = metrics["axes"][y]["values"]
+    chosen = [values[i] for i in np.unique(np.linspace(0, len(values) - 1, SECTIONS).round().astype(int))]
+    fine = np.linspace(across.at.min(), across.at.max(), FINE)
+    predicted = {value: [theory.figures(scenario, float(at), value) for at in fine] for value in chosen}
+    charts = []
+    for name in (name for name in shown if name in predicted[chosen[0]][0]):
+        figure, (axes,) = style.panels(2.8, top=0.5)
+        for i, value in enumerate(chosen):
+            rows = [row for row in _first_of_the_rest(metrics, (x, y)) if row[y] == value]
+            flown = [(figure_of(row, name) or {}).get("p50", np.nan) for row in rows]
+            theirs = [np.nan if one[name] is None else one[name] for one in predicted[value]]
+            axes.plot([row[x] for row in rows], flown, "o", markersize=3.5, color=style.TRACKERS[i])
+            axes.plot(fine, theirs, color=style.TRACKERS[i], label=f"{label(y)} = {value:g}")
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+        _set(axes.xaxis, across)
+        axes.set_ylabel(label(name))
+        text = "Dots: medians of the flights; lines: what theory predicts, where it predicts a cycle."
+        charts.append(Chart(f"{label(name)}: theory and flights", style.data_uri(figure), text))
+    return charts
 
 
 def _curves(name: str, x: str, lines: str | None, metrics: dict[str, Any]) -> Chart:

@@ -9,6 +9,7 @@ from typing import Any
 from sim.reporting import style
 from sim.reporting.quantities import ABSENT, words
 from sim.reporting.study_charts import figure_of, study_charts
+from sim.study_theory import predicted_figures
 from sim.toml import dumps
 
 MOST_ROWS = 500  # of the table on the page; metrics.json has them all
@@ -25,6 +26,7 @@ def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any
     shown = shown_metrics(scenario, metrics)
     with style.drawing():
         charts = study_charts(scenario, metrics, records, shown)
+    predicted = predicted_figures(scenario, metrics["rows"][:MOST_ROWS])
     failed = [check["name"] for check in metrics["checks"] if check["passed"] is False]
     ended = ", ".join(f"{count} {words(name)}" for name, count in sorted(metrics["outcomes"].items()))
     return str(
@@ -36,8 +38,11 @@ def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any
             charts=charts,
             checks=[_check(check) for check in metrics["checks"]],
             axes=[_axis(address, axis) for address, axis in metrics["axes"].items()],
-            heads=[*metrics["axes"], "flights", "outcomes", *shown],
-            rows=[_row(row, metrics["axes"], shown) for row in metrics["rows"][:MOST_ROWS]],
+            heads=[*metrics["axes"], "flights", "outcomes", *shown, *(f"{name} by theory" for name in predicted)],
+            rows=[
+                [*_row(row, metrics["axes"], shown), *(_value(column[i]) for column in predicted.values())]
+                for i, row in enumerate(metrics["rows"][:MOST_ROWS])
+            ],
             left_out=max(0, len(metrics["rows"]) - MOST_ROWS),
             seed=metrics["seed"],
             versions=sorted(metrics["versions"].items()),

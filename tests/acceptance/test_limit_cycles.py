@@ -1,0 +1,126 @@
+"""Limit cycles: what the linear model says before anything flies against bisection and long flights in JSBSim."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import pytest
+
+from autopilot.design import law_of_frequency
+from autopilot.limit_cycles import caught, least_offset, limited_loop, onset
+from autopilot.route_loop import linear_onset
+from sim.bisection import border
+from sim.experiment import fly
+from sim.metrics import flight_metrics
+from sim.preparation import prepare
+from sim.route_loops import scenario_loop
+from sim.scenario import read
+
+pytestmark = pytest.mark.acceptance
+SHARE, OFFSET = "autopilot.frequency_share", "start.cross_track_m"
+FREE = ("autopilot.roll_rate_limit_degps", 90.0)  # no roll-rate limit to speak of
+AIRCRAFT = {
+    "An-26": (),
+    "A320": (("aircraft", {"model": "A320"}), ("route.legs.0.speed_mps", 95)),
+}
+
+
+@cache
+def loop_of(aircraft, bank):
+    limit = ("autopilot.bank_limit_deg", bank)
+    return scenario_loop(prepare(read("limit_cycle", dict((*AIRCRAFT[aircraft], limit)))))
+
+
+@cache
+def theory(bank, rate):
+    """The loop of the An-26 with its limits."""
+    return limited_loop(loop_of("An-26", bank), math.radians(bank), math.radians(rate))
+
+
+def law_of(limited, share):
+    return law_of_frequency(share * limited.loop.bandwidth, limited.loop.speed, limited.bank_limit)
+
+
+def flown(*changes):
+    prepared = prepare(read("limit_cycle", dict(changes)))
+    return flight_metrics(fly(prepared), prepared.scenario.runway, prepared.law.bank_limit)
+
+
+def persists_from(address, low, high, *changes):
+    return border("limit_cycle", address, low, high, "bank_cycle_deg", 1.0, overrides=dict(changes), within=0.01).value
+
+
+@pytest.mark.parametrize("aircraft", AIRCRAFT)
+@pytest.mark.parametrize("bank", [5.0, 15.0])
+def test_onset_of_the_bank_limit(row, aircraft, bank):
+    """From 5 m beside the line, roll rate free: the linear margin of the sampled loop."""
+    changes, loop = AIRCRAFT[aircraft], loop_of(aircraft, bank)
+    said = linear_onset(loop, math.radians(bank)) / loop.bandwidth
+    found = persists_from(SHARE, 0.2, 0.8, *changes, FREE, (OFFSET, 5.0), ("autopilot.bank_limit_deg", bank))
+    off = said / found - 1.0
+    told = f"{found:.4f} flown, {said:.4f} predicted: {100 * off:+.1f} %"
+    row(f"{aircraft}, bank limit {bank:.0f} deg, from 5 m: onset wz/wb", "within 5 %", told, abs(off) <= 0.05)
+    assert abs(off) <= 0.05
+
+
+@pytest.mark.parametrize("over", [1.03, 1.1, 1.2, 1.4])
+@pytest.mark.parametrize("bank", [5.0, 10.0, 15.0])
+def test_cycle_of_the_bank_limit(row, bank, over):
+    """Where theory itself says that the aileron comes to its stop, the bank limit is no longer the only one."""
+    limited = theory(bank, FREE[1])
+    share = over * linear_onset(limited.loop, limited.bank_limit) / limited.loop.bandwidth
+    said = caught(limited, law_of(limited, share), 5.0)
+    found = flown(FREE, (OFFSET, 5.0), ("autopilot.bank_limit_deg", bank), (SHARE, share))
+    period = said.period / found["bank_cycle_period_s"] - 1.0
+    amplitude = math.degrees(said.bank) / found["bank_cycle_deg"] - 1.0
+    met = max(abs(period), abs(amplitude)) <= 0.1
+    stops = said.aileron >= 1.0
+    told = (
+        f"{found['bank_cycle_period_s']:.2f} s, {found['bank_cycle_deg']:.2f} deg flown, {said.period:.2f} s, "
+        f"{math.degrees(said.bank):.2f} deg predicted: {100 * period:+.1f} %, {100 * amplitude:+.1f} %; "
+        f"aileron {said.aileron:.2f} of full predicted"
+    )
+    asked = "reported: aileron at its stop" if stops else "within 10 %"
+    row(f"bank limit {bank:.0f} deg, {over:.2f} of the onset: period and bank", asked, told, met or stops)
+    assert met or stops
+
+
+@pytest.mark.parametrize("bank", [8.0, 15.0, 20.0])
+def test_onset_of_the_roll_rate_limit(row, bank):
+    """From 300 m at 5 deg/s: the describing function of both limits."""
+    limited = theory(bank, 5.0)
+    said = onset(limited, 300.0) / limited.loop.bandwidth
+    found = persists_from(SHARE, 0.06, 0.8, ("autopilot.bank_limit_deg", bank))
+    off = said / found - 1.0
+    told = f"{found:.4f} flown, {said:.4f} predicted: {100 * off:+.1f} %"
+    row(f"bank limit {bank:.0f} deg, 5 deg/s, from 300 m: onset wz/wb", "within 25 %", told, abs(off) <= 0.25)
+    assert abs(off) <= 0.25
+
+
+@pytest.mark.parametrize("share", [0.175, 0.21, 0.27, 0.36])
+def test_border_of_the_roll_rate_limit(row, share):
+    """The offset from which the oscillation persists, although it fades from nearer."""
+    limited = theory(15.0, 5.0)
+    said = least_offset(limited, law_of(limited, share))
+    found = persists_from(OFFSET, 0.05, 100.0, (SHARE, share))
+    off = said / found - 1.0
+    told = f"{found:.2f} m flown, {said:.2f} m predicted: {100 * off:+.1f} %"
+    row(f"wz/wb = {share}, 5 deg/s: start offset that persists", "within 25 %", told, abs(off) <= 0.25)
+    assert abs(off) <= 0.25
+
+
+@pytest.mark.parametrize("share", [0.17, 0.175, 0.185])
+def test_cycle_of_the_roll_rate_limit(row, share):
+    limited = theory(15.0, 5.0)
+    said = caught(limited, law_of(limited, share), 300.0)
+    found = flown((SHARE, share), ("until_s", 400.0))
+    period = said.period / found["bank_cycle_period_s"] - 1.0
+    amplitude = math.degrees(said.bank) / found["bank_cycle_deg"] - 1.0
+    told = (
+        f"{found['bank_cycle_period_s']:.2f} s, {found['bank_cycle_deg']:.2f} deg flown, {said.period:.2f} s, "
+        f"{math.degrees(said.bank):.2f} deg predicted: {100 * period:+.1f} %, {100 * amplitude:+.1f} %"
+    )
+    met = max(abs(period), abs(amplitude)) <= 0.1
+    row(f"wz/wb = {share}, 5 deg/s, from 300 m: period and bank", "within 10 %", told, met)
+    assert met
