@@ -11,6 +11,7 @@ from aircraft.airframe import Wind
 from aircraft.turbulence import Turbulence
 from aircraft.wind import SteadyWind, Together
 from aircraft.wind_events.microburst import Microburst
+from aircraft.wind_events.wind_shift import WindShift
 from aircraft.wind_shear import ShearedWind
 from sim.tables import Runway, WindTable
 
@@ -51,8 +52,12 @@ def event_words(event: Any) -> str:
         parts.append(f"{abs(event.up):.1f} m/s {'up' if event.up > 0.0 else 'down'}")
     if event.speed:
         parts.append(f"{event.speed:.1f} m/s from {math.degrees(event.from_) % 360:03.0f} deg")
+    strength = " and ".join(parts) or "no strength"
+    if isinstance(event, WindShift):
+        where = "" if event.length is None else f", over {event.length:.0f} m from {_place(event.past_threshold, 0.0)}"
+        return f"wind shift of {strength}{where}{_time(event)}"
     where = "" if event.length is None else f", {event.length:.0f} m long, {_place(event.past_threshold, event.right)}"
-    return f"gust of {' and '.join(parts) or 'no strength'}{where}{_time(event)}"
+    return f"gust of {strength}{where}{_time(event)}"
 
 
 def _place(past_threshold: float, right: float) -> str:

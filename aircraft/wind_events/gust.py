@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any
 
-FASTEST = 100.0  # m/s
+from aircraft.wind_events._occasion import amplitude, check, one_minus_cosine
 
 
 @dataclass(frozen=True)
@@ -30,29 +30,13 @@ class Gust:
     runway: Annotated[Any, "given"] = None  # where the threshold lies; needed by a gust at a place
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.speed <= FASTEST or not abs(self.up) <= FASTEST:
-            raise ValueError(
-                f"speed of a gust must lie within 0 and {FASTEST:.0f} m/s, and up within as much either way"
-            )
-        for name in ("at", "lasts", "past_threshold", "right", "length"):
-            value = getattr(self, name)
-            if value is not None and not math.isfinite(value):
-                raise ValueError(f"{name} of a gust must be a finite number")
-        in_time = self.at is not None and self.lasts is not None
-        in_space = self.past_threshold is not None and self.length is not None
-        half_said = (self.at is None) != (self.lasts is None) or (self.past_threshold is None) != (self.length is None)
-        if in_time == in_space or half_said:
-            raise ValueError(
-                "a gust comes at a time (at, lasts) or at a place (past_threshold, length): say one of them"
-            )
-        if self.at is not None and self.at < 0.0:
-            raise ValueError("at must not be negative: a flight begins at 0 s")
-        if not (self.lasts or self.length or 0.0) > 0.0:
-            raise ValueError("lasts and length of a gust must be above 0")
+        check(self, "a gust")
+        if not math.isfinite(self.right):
+            raise ValueError("right of a gust must be a finite number")
 
     @cached_property
     def _amplitude(self) -> tuple[float, float, float]:
-        return -self.speed * math.cos(self.from_), -self.speed * math.sin(self.from_), self.up
+        return amplitude(self.speed, self.from_, self.up)
 
     @cached_property
     def _centre(self) -> tuple[float, float]:
@@ -76,8 +60,3 @@ class Gust:
             return 0.0, 0.0, 0.0
         north, east, up = self._amplitude
         return share * north, share * east, share * up
-
-
-def one_minus_cosine(share: float) -> float:
-    """Half of one minus the cosine, once around: 0 at 0, 1 at 1/2, 0 at 1 and outside."""
-    return 0.5 - 0.5 * math.cos(2.0 * math.pi * share) if 0.0 < share < 1.0 else 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any
 
-from aircraft.wind_events.gust import FASTEST, one_minus_cosine
+from aircraft.wind_events._occasion import FASTEST, one_minus_cosine
 
 GROWTH = -0.15  # c1: how the outflow dies away with height, over the height of its peak
 FRICTION = -3.214924  # c2: how it comes up from the ground; c1 exp(c1) = c2 exp(c2) puts the peak where it is said

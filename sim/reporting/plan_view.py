@@ -83,8 +83,8 @@ def plan_view(
 
 
 def _circle(axes: Any, name: str, event: Any, place: Callable[[float, float], tuple[float, float]]) -> None:
-    """The greatest outflow of a microburst, or the edge of a gust, named; nothing for a gust that has no place."""
-    if event.past_threshold is None:
+    """The greatest outflow of a microburst, or the edge of a gust, named; nothing for what is not round."""
+    if event.past_threshold is None or not hasattr(event, "right"):
         return
     across, up = place(event.past_threshold, event.right)
     radius = KM * (event.radius if hasattr(event, "radius") else event.length / 2)

@@ -11,6 +11,7 @@ import pytest
 
 from aircraft.wind_events.gust import Gust
 from aircraft.wind_events.microburst import FRICTION, GROWTH, Microburst
+from aircraft.wind_events.wind_shift import WindShift
 
 
 @dataclasses.dataclass(frozen=True)
@@ -158,6 +159,26 @@ def test_beside_its_middle_a_gust_is_weaker():
     assert 0.0 < beside < 0.6 * 8.0  # 1 - cos at 35 m from the edge of 150 m: 0.55
 
 
+def test_a_wind_shift_sets_in_and_stays():
+    shift = WindShift(speed=6.0, from_=math.radians(180.0), up=1.0, at=10.0, lasts=4.0)
+    for time, share in (
+        (9.0, 0.0),
+        (11.0, 0.5 - 0.5 * math.cos(math.pi / 4.0)),
+        (12.0, 0.5),
+        (14.0, 1.0),
+        (900.0, 1.0),
+    ):
+        assert wind(shift, 5.0, 6.0, 7.0, time) == pytest.approx(share * np.array((6.0, 0.0, 1.0)), abs=1e-12)
+
+
+@pytest.mark.parametrize("aside", [-3000.0, 0.0, 800.0])
+def test_a_wind_shift_at_a_place_is_a_line_across_the_runway(aside):
+    shift = WindShift(speed=6.0, from_=math.radians(180.0), past_threshold=-2000.0, length=400.0, runway=RUNWAY)
+    for east, share in ((-2001.0, 0.0), (-1800.0, 0.5), (-1600.0, 1.0), (3000.0, 1.0)):
+        assert wind(shift, aside, east, 50.0)[0] == pytest.approx(6.0 * share, abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", [Gust, WindShift])
 @pytest.mark.parametrize(
     "wrong",
     [
@@ -169,6 +190,6 @@ def test_beside_its_middle_a_gust_is_weaker():
         {"at": 5.0, "lasts": 2.0, "up": -200.0},
     ],
 )  # fmt: skip
-def test_impossible_gusts_are_refused(wrong):
-    with pytest.raises(ValueError, match=r"gust|at must"):
-        Gust(runway=RUNWAY, **wrong)
+def test_impossible_gusts_and_shifts_are_refused(kind, wrong):
+    with pytest.raises(ValueError, match=r"of a gust|of a wind shift|say one of them"):
+        kind(runway=RUNWAY, **wrong)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import tomllib
 
 import numpy as np
 import pytest
@@ -94,6 +95,16 @@ def test_each_fault_is_one_clear_sentence(table, said):
     assert len(told.splitlines()) == 1
 
 
+def test_the_weather_that_a_new_scenario_suggests_is_good_weather():
+    text = catalogue.bundled("an26_pattern").read_text()
+    block = text[text.index("# [wind]") :].partition("\n\n")[0]
+    table = tomllib.loads("\n".join(line.removeprefix("# ") for line in block.splitlines()))
+    suggested = read({**LINE, **table}).wind
+    assert {type(event).__name__.lower() for event in suggested.events.values()} == {
+        kind.replace("_", "") for kind in catalogue.kinds("wind_events")
+    }
+
+
 def test_schema_and_listing_know_the_kinds():
     from sim.listing import kind_lines
 
@@ -116,6 +127,8 @@ def test_words_say_what_there_is():
     side = {"kind": "gust", "speed_mps": 5.0, "from_deg": 350, "past_threshold_m": -900.0, "length_m": 200.0}
     told = event_words(wind(events={"g": side}).events["g"])
     assert told == "gust of 5.0 m/s from 350 deg, 200 m long, 900 m before the threshold"
+    told = event_words(wind(events={"s": {**side, "kind": "wind_shift"}}).events["s"])
+    assert told == "wind shift of 5.0 m/s from 350 deg, over 200 m from 900 m before the threshold"
 
 
 # ---- the air that is built ---------------------------------------------------------------------------------------

@@ -1,0 +1,41 @@
+"""What wind events share: the smooth shape of their coming and going, and that each has a time or a place."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+FASTEST = 100.0  # m/s
+
+
+def one_minus_cosine(share: float) -> float:
+    """Half of one minus the cosine, once around: 0 at 0, 1 at 1/2, 0 at 1 and outside."""
+    return 0.5 - 0.5 * math.cos(2.0 * math.pi * share) if 0.0 < share < 1.0 else 0.0
+
+
+def amplitude(speed: float, from_direction: float, up: float) -> tuple[float, float, float]:
+    """(north, east, up), m/s, of a wind that blows from a direction, rad."""
+    return -speed * math.cos(from_direction), -speed * math.sin(from_direction), up
+
+
+def check(event: Any, called: str) -> None:
+    """Refuse an event without a sensible strength, or that has not exactly one of a time and a place."""
+    if not 0.0 <= event.speed <= FASTEST or not abs(event.up) <= FASTEST:
+        raise ValueError(
+            f"speed of {called} must lie within 0 and {FASTEST:.0f} m/s, up within {FASTEST:.0f} either way"
+        )
+    for name in ("at", "lasts", "past_threshold", "length"):
+        value = getattr(event, name)
+        if value is not None and not math.isfinite(value):
+            raise ValueError(f"{name} of {called} must be a finite number")
+    in_time = event.at is not None and event.lasts is not None
+    in_space = event.past_threshold is not None and event.length is not None
+    whole = (event.at is None) == (event.lasts is None) and (event.past_threshold is None) == (event.length is None)
+    if in_time == in_space or not whole:
+        raise ValueError(
+            f"{called} comes at a time (at, lasts) or at a place (past_threshold, length): say one of them"
+        )
+    if event.at is not None and event.at < 0.0:
+        raise ValueError(f"at of {called} must not be negative: a flight begins at 0 s")
+    if not (event.lasts or event.length or 0.0) > 0.0:
+        raise ValueError(f"lasts and length of {called} must be above 0")

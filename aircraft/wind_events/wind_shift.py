@@ -1,0 +1,60 @@
+"""A wind that sets in and stays: a front that passes at a time, or a line on the approach behind which it blows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any
+
+from aircraft.wind_events._occasion import amplitude, check, one_minus_cosine
+
+
+@dataclass(frozen=True)
+class WindShift:
+    """A further wind V that grows as V/2 (1 - cos(pi x/d)) and then stays [MIL-F-8785C, 3.7.2.3].
+
+    At a time it grows for ``lasts``, everywhere. At a place it grows from a line across the runway's direction over
+    ``length`` of the way to the runway, and blows from there on.
+    """
+
+    speed: Annotated[float, "m/s"] = 0.0  # of the horizontal part
+    from_: Annotated[float, "rad"] = 0.0  # where that blows from
+    up: Annotated[float, "m/s"] = 0.0
+    at: Annotated[float | None, "s"] = None
+    lasts: Annotated[float | None, "s"] = None
+    past_threshold: Annotated[float | None, "m"] = None
+    length: Annotated[float | None, "m"] = None
+    runway: Annotated[Any, "given"] = None  # where the threshold lies; needed by a shift at a place
+
+    def __post_init__(self) -> None:
+        check(self, "a wind shift")
+
+    @cached_property
+    def _amplitude(self) -> tuple[float, float, float]:
+        return amplitude(self.speed, self.from_, self.up)
+
+    @cached_property
+    def _along(self) -> tuple[float, float]:
+        north, east = self.runway.to_local(1.0, 0.0)
+        return float(north), float(east)
+
+    def share(self, time: float, north: float, east: float) -> float:
+        """0..1 of the amplitude at a time, s, and a place, m."""
+        if self.at is not None and self.lasts is not None:
+            grown = (time - self.at) / self.lasts
+        else:
+            assert self.past_threshold is not None
+            assert self.length is not None
+            along_north, along_east = self._along
+            grown = (north * along_north + east * along_east - self.past_threshold) / self.length
+        return 1.0 if grown >= 1.0 else one_minus_cosine(0.5 * grown)
+
+    def velocity(
+        self, time: float, position: tuple[float, float, float], airspeed: float
+    ) -> tuple[float, float, float]:
+        """(north, east, up), m/s."""
+        share = self.share(time, position[0], position[1])
+        if share == 0.0:
+            return 0.0, 0.0, 0.0
+        north, east, up = self._amplitude
+        return share * north, share * east, share * up
