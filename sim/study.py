@@ -134,7 +134,9 @@ def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
     for values in planned.cells:
         tables = with_values(base, values)
         if "designed" not in tables:
-            key = json.dumps({name: value for name, value in tables.items() if name not in UNDESIGNED})
+            kept = {name: value for name, value in tables.items() if name not in UNDESIGNED}
+            quickness = {"autopilot": {k: v for k, v in kept.get("autopilot", {}).items() if k != "frequency_share"}}
+            key = json.dumps({**kept, **quickness})  # how quick the law is changes no gain of the inner loops
             try:
                 tables = {**tables, "designed": design(key)}
             except ScenarioError as error:
