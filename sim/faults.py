@@ -27,6 +27,7 @@ TOLD = {  # pydantic's kind of error -> what the value must be
     "model_type": "must be a table",
     "model_attributes_type": "must be a table",
     "string_pattern_mismatch": "must start with a letter and have at most 64 letters, digits, _ and -",
+    "literal_error": "must be {expected}",
     "greater_than": "must be above {gt:g}",
     "greater_than_equal": "must be at least {ge:g}",
     "less_than": "must be below {lt}",

@@ -138,7 +138,10 @@ def _told(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
             names = ", ".join(f"{field}_factor" for field in fields)
             raise ScenarioError(f"[trackers.{name}.law] {key}: no such key; allowed: {names}")
         changes[attribute] = value * getattr(law, attribute) if key.endswith("_factor") else value
-    return dataclasses.replace(law, **changes), "told wrong" if changes else "autopilot"
+    try:
+        return dataclasses.replace(law, **changes), "told wrong" if changes else "autopilot"
+    except ValueError as error:
+        raise ScenarioError(f"[trackers.{name}.law] {error}") from None
 
 
 def chart_height(prepared: Prepared) -> float:
