@@ -7,10 +7,11 @@ import math
 import time
 from functools import cache
 
-import jsbsim
 import numpy as np
 import pytest
 
+from aircraft import model_files
+from aircraft.executive import fresh_executive
 from aircraft.turbulence import Turbulence, across_spectrum, along_spectrum
 from aircraft.turbulence_intensity import INTENSITIES, intensity
 from sim.experiment import fly
@@ -39,10 +40,7 @@ def ours(height: float, airspeed: float) -> np.ndarray:
 @cache
 def milspec(height: float, airspeed: float) -> np.ndarray:
     """(k, 3) m/s of JSBSim's turbulence model 3, moderate, met by a body that is held where it is."""
-    executive = jsbsim.FGFDMExec(None)
-    executive.set_debug_level(0)
-    executive.load_model("ball")
-    executive.set_dt(1.0 / RATE)
+    executive = fresh_executive(model_files.read("ball"), RATE)
     executive["ic/h-sl-ft"] = height / FOOT
     executive["ic/u-fps"] = airspeed / FOOT
     executive.run_ic()
