@@ -90,7 +90,7 @@ def _balances(limited: LimitedLoop, law: LateralNavigation) -> tuple[list[Balanc
     frequency, gain = _turned(limited.frequency, limited.gain * asked)
     found = []
     for i in range(len(gain) - 1):
-        if (gain[i] > 1.0) is not (gain[i + 1] > 1.0) and np.isfinite(gain[i] + gain[i + 1]):
+        if (gain[i] > 1.0) != (gain[i + 1] > 1.0) and np.isfinite(gain[i] + gain[i + 1]):
             share = math.log(gain[i]) / math.log(gain[i] / gain[i + 1])
             demand = limited.bank_limit * AMPLITUDES[i] * (AMPLITUDES[i + 1] / AMPLITUDES[i]) ** share
             at = frequency[i] * (frequency[i + 1] / frequency[i]) ** share
@@ -131,20 +131,22 @@ def least_offset(limited: LimitedLoop, law: LateralNavigation) -> float:
     """Cross-track offset, m, from which an aircraft at rest beside the line is caught by an oscillation.
 
     At rest beside the line the law asks at once for k1 z, and no more: a peak of its demand. What is above the demand
-    of an unstable limit cycle stays; zero where everything does, infinite where all fades away.
+    of an unstable limit cycle stays; zero where everything does, infinite where all fades away. A flight begins without
+    the bank that the cycle has at that peak, which holds it back once more, so it is caught from somewhat nearer.
     """
     balances, grows = _balances(limited, law)
     if grows:
         return 0.0
-    return min((one.demand for one in balances if not one.is_stable), default=math.inf) / float(law.k1)
+    offset = min((one.demand for one in balances if not one.is_stable), default=math.inf) / float(law.k1)
+    return offset if offset <= law.cross_track_limit else math.inf
 
 
 def caught(limited: LimitedLoop, law: LateralNavigation, cross_track: float) -> LimitCycle | None:
     """The stable cycle to which an aircraft comes from rest beside the line (m); None where it fades, or never ends."""
     balances, grows = _balances(limited, law)
-    into = balances[0] if grows and balances else None
+    into, asked = balances[0] if grows and balances else None, law.k1 * min(cross_track, law.cross_track_limit)
     for below, above in itertools.zip_longest(balances, balances[1:]):
-        if not below.is_stable and below.demand <= law.k1 * cross_track:
+        if not below.is_stable and below.demand <= asked:
             into = above
     return None if into is None else _described(limited, *into)
 
