@@ -4,13 +4,14 @@ BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help demo test lint acceptance tutorials bench soak clean
+.PHONY: help demo test lint acceptance tutorials uses bench soak clean
 
 help:
 	@echo "make demo        fly the bundled An-26 approach and write its report"
 	@echo "make test        lint and run the tests"
 	@echo "make acceptance  measure every required figure at full size"
 	@echo "make tutorials   run the tutorials and renew what they print and draw"
+	@echo "make uses        run what the README shows and renew its transcripts and figures"
 	@echo "make bench       measure speed, as ratios within one run"
 	@echo "make soak        kill workers and parents of studies and compare what is left"
 
@@ -37,6 +38,9 @@ acceptance: .venv/ready
 
 tutorials: .venv/ready
 	$(BIN)/python tests/docs/tutorials.py
+
+uses: .venv/ready
+	$(BIN)/python tests/docs/uses.py
 
 bench: .venv/ready
 	$(BIN)/python tests/benchmarks/run.py
