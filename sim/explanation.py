@@ -12,6 +12,7 @@ from autopilot.analysis import frequency_and_damping
 from autopilot.limit_cycles import caught, least_offset, limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
+from sim import windshear
 from sim.preparation import TIME_LIMIT, Prepared, prepare
 from sim.quarantine import apart
 from sim.route_loops import has_route_loop, scenario_loop
@@ -26,6 +27,7 @@ def explain(scenario: Scenario) -> str:
     parts = [_head(prepared), _route(prepared)]
     if scenario.aircraft.model != "point_mass":
         parts.append(apart(scenario, TIME_LIMIT, _aircraft, prepared))
+        parts += windshear.outlook(prepared)
     parts.append(_law(prepared))
     if scenario.sensors:
         rows = [("sensor", "measures", "every s")]

@@ -64,14 +64,15 @@ def energy_border(law: Any, scenario: Scenario, places: np.ndarray) -> np.ndarra
     Through the air the energy height changes by V ((thrust - drag) / weight - F), and on the glide path it must fall by
     V sin(glide path): no power holds both once F, over a kilometre, exceeds the steepest climb and the glide path.
     """
-    from sim.preparation import prepare
+    from sim.preparation import TIME_LIMIT, prepare
+    from sim.quarantine import apart
     from sim.windshear import steepest_climb, worst_on_the_glide_path
 
     prepared = prepare(scenario)
     landing = prepared.autopilot.landing
     if landing is None or "burst" not in scenario.wind.events:
         raise ScenarioError(f'{scenario.name}: theory "energy" needs a landing pattern and a [wind.events.burst]')
-    reserve = steepest_climb(prepared) + math.sin(scenario.runway.glide_path)
+    reserve = apart(scenario, TIME_LIMIT, steepest_climb, prepared) + math.sin(scenario.runway.glide_path)
     burst = dataclasses.replace(scenario.wind.events["burst"], peak=1.0, at=None, lasts=None)
 
     def strength(place: float) -> float:

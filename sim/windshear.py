@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any
 
@@ -11,8 +12,10 @@ from aircraft.airframe import load
 from aircraft.errors import TrimError
 from aircraft.state import STANDARD_GRAVITY
 from aircraft.trim import trim
+from aircraft.wind_events.microburst import Microburst
 from sim.flight import Flight
-from sim.preparation import Prepared
+from sim.preparation import TIME_LIMIT, Prepared
+from sim.quarantine import apart
 from sim.tables import Runway
 
 AVERAGED = 1000.0  # m of flight through the air; shorter shears pass before they cost energy
@@ -64,6 +67,27 @@ def worst_on_the_glide_path(event: Any, runway: Runway, airspeed: float, height:
     distance = (past - past[0]) / math.cos(runway.glide_path)
     factor = airspeed * np.gradient(tail, distance) / STANDARD_GRAVITY - up / airspeed
     return float(np.nanmax(averaged(factor, distance)))
+
+
+def outlook(prepared: Prepared) -> list[str]:
+    """A sentence for each microburst on an approach: what it takes, and what full power has against it."""
+    scenario, landing = prepared.scenario, prepared.autopilot.landing
+    bursts = {name: event for name, event in scenario.wind.events.items() if isinstance(event, Microburst)}
+    if landing is None or not bursts:
+        return []
+    try:
+        reserve = apart(scenario, TIME_LIMIT, steepest_climb, prepared) + math.sin(scenario.runway.glide_path)
+    except TrimError as error:
+        return [f"energy against microbursts: {error}"]
+    said = []
+    for name, event in bursts.items():
+        still = dataclasses.replace(event, at=None, lasts=None)
+        worst = worst_on_the_glide_path(still, scenario.runway, landing.approach_speed, landing.gate.height)
+        said.append(
+            f"microburst '{name}': F-factor up to {worst:.3f} over a kilometre of the glide path below "
+            f"{landing.gate.height:.0f} m; full power with landing flaps, and the descent, bear {reserve:.3f}"
+        )
+    return said
 
 
 def steepest_climb(prepared: Prepared) -> float:
