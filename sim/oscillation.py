@@ -9,21 +9,20 @@ import numpy as np
 
 from sim.flight import Flight
 
-LASTING = 60.0  # s, at the end of a flight
+LASTING = 60.0  # s; twice at the end of a flight
 LEAST = math.radians(1.0)  # of bank; less is no oscillation
 
 
 def oscillation(flight: Flight) -> dict[str, float | None]:
     """Amplitude of the bank that persisted for the last minute, and its period, null without an oscillation.
 
-    The amplitude is half the way from peak to peak, in that half of the minute in which it is smaller: what fades does
-    not persist.
+    The amplitude is half the way from peak to peak, in that one of the last two minutes in which it is smaller: what
+    fades does not persist.
     """
-    left = flight.time[-1] - flight.time
-    bank = flight.state.bank
-    halves = [bank[left < 0.5 * LASTING], bank[(left >= 0.5 * LASTING) & (left <= LASTING)]]
-    amplitude = min(0.5 * float(np.ptp(half)) if half.size else 0.0 for half in halves)
-    last = left <= LASTING
+    left, bank = flight.time[-1] - flight.time, flight.state.bank
+    minutes = [bank[left < LASTING], bank[(left >= LASTING) & (left <= 2.0 * LASTING)]]
+    amplitude = min(0.5 * float(np.ptp(minute)) if minute.size else 0.0 for minute in minutes)
+    last = left <= 2.0 * LASTING
     period = _period(flight.time[last], bank[last]) if amplitude >= LEAST else None
     return {"bank_cycle_deg": math.degrees(amplitude), "bank_cycle_period_s": period}
 
