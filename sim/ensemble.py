@@ -84,6 +84,7 @@ def _flight(prepared: Prepared, job: Job) -> Flight:
 
 def _judged(prepared: Prepared, number: int, flight: Flight) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Figures and checks of a flight that its trackers watch."""
+    from sim.navigated import navigated
     from sim.observation import observe
     from sim.trackers import track
 
@@ -91,7 +92,10 @@ def _judged(prepared: Prepared, number: int, flight: Flight) -> tuple[dict[str, 
     metrics = flight_metrics(flight, scenario.runway, prepared.law.bank_limit)
     if scenario.trackers:
         records = observe(flight, scenario.sensors, scenario.seed, number, scenario.draws)
-        _, metrics["trackers"] = track(prepared, flight, records, {}, number)
+        tracks, metrics["trackers"] = track(prepared, flight, records, {}, number)
+        name = scenario.autopilot.navigation
+        followed = tracks[name].track if name in tracks else None
+        metrics["navigated"] = navigated(prepared, flight, followed, metrics["trackers"].get(name, {}))
     judged = judge(scenario.checks, flight, scenario.runway, metrics)
     kept = ("value", "margin", "time_s", "passed")
     return metrics, [{key: check[key] for key in kept} for check in judged]

@@ -16,8 +16,10 @@ from sim.checks import judge
 from sim.departures import noted
 from sim.doctor import versions
 from sim.executors import TIME_LIMIT
+from sim.export import with_unit
 from sim.flight import Flight
 from sim.metrics import flight_metrics, summarise
+from sim.navigated import navigated
 from sim.navigation import navigator
 from sim.observation import SensorRecord, observe
 from sim.output import claim, refuse_foreign, staged, write_json, write_npz
@@ -123,6 +125,9 @@ def run(
     _lap(timing, "track_s", lap)
 
     each = [flight_metrics(one, scenario.runway, prepared.law.bank_limit) for one in flown]
+    name = scenario.autopilot.navigation
+    followed = tracks[name].track if name in tracks else None
+    each[0]["navigated"] = navigated(prepared, first, followed, tracker_metrics.get(name, {}))
     metrics = {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -228,7 +233,23 @@ def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray
         # sensors' errors are independent: R is diagonal
         R = record.R if record.R.ndim == 4 else record.R[..., None]
         arrays[f"{name}.sigma"] = np.sqrt(np.einsum("kiin->kin", R))
+        if record.candidates is not None:
+            arrays |= {f"{name}.plots.{column}": values for column, values in plot_columns(record).items()}
     return arrays
+
+
+def plot_columns(record: SensorRecord) -> dict[str, np.ndarray]:
+    """All plots of a sensor with clutter, one row each: when, in which draw, whether the target's own, and where."""
+    plots = np.moveaxis(record.candidates, 2, -1)  # (k, c, draws, m)
+    epoch, plot, draw = np.nonzero(np.isfinite(plots).all(axis=-1))
+    places = plots[epoch, plot, draw].T
+    return {
+        "time_s": record.time[epoch],
+        "arrival_s": record.arrival[epoch],
+        "draw": draw,
+        "target": (plot == 0).astype(int),
+        **{with_unit(channel): values for channel, values in zip(record.channels, places, strict=True)},
+    }
 
 
 def _lap(timing: dict[str, float], name: str, since: float) -> None:

@@ -111,12 +111,12 @@ def _table(arrays: Columns) -> Columns:
     columns["draw"] = np.tile(np.arange(draws), count)
     sigma = np.broadcast_to(arrays["sigma"], values.shape)
     for row, channel in enumerate(channels):
-        columns[_with_unit(channel)] = values[:, row].ravel()
-        columns[_with_unit(f"{channel}_sigma")] = sigma[:, row].ravel()
+        columns[with_unit(channel)] = values[:, row].ravel()
+        columns[with_unit(f"{channel}_sigma")] = sigma[:, row].ravel()
     return columns
 
 
-def _with_unit(channel: str) -> str:
+def with_unit(channel: str) -> str:
     """The channel, or its standard deviation, with the SI suffix of its quantity."""
     plain = channel.removesuffix("_sigma")
     if "load_factor" in plain:

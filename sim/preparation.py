@@ -15,6 +15,7 @@ from aircraft.slowest import complete
 from autopilot.approach import PHASES, Approach, Landing
 from autopilot.departure import Departing
 from autopilot.design import RATE_MARGIN, Designed, law_of_frequency
+from autopilot.estimate_lag import softened
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, Route, pattern_route
@@ -108,6 +109,7 @@ def _prepared(scenario: Scenario) -> Prepared:
         route = _route(scenario, landing)
         place = "[aircraft]"
         gains = _designed(scenario, route, flaps, landing, aircraft)
+        gains = softened(gains, max(leg.speed for leg in route.legs), scenario.autopilot.estimate_lag)
         turn_speed = min(leg.speed for leg in route.legs)
         lead = gains.time_to_roll(turn_speed, scenario.autopilot.roll_rate_limit)
         route = dataclasses.replace(route, time_to_roll=lead)

@@ -13,6 +13,8 @@ def summary(metrics: dict[str, Any]) -> str:
     """One sentence on what happened, the trackers, then the checks as an aligned table."""
     flight = metrics["flight"]
     lines = [f"{metrics['scenario']}: {flight['reason']} ({flight['duration_s']:.0f} s, seed {metrics['seed']})"]
+    why = (flight.get("navigated") or {}).get("why")
+    lines += [f"why: {why}"] if why else []
     if metrics["flights"] > 1:
         outcomes = metrics["flights_summary"]["outcomes"]
         lines.append(

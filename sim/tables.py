@@ -164,12 +164,17 @@ class AutopilotTable:
     bank_limit: Annotated[float, "rad"] = math.radians(15.0)
     roll_rate_limit: Annotated[float, "rad/s"] = math.radians(5.0)
     navigation: str = "truth"
+    estimate_lag: Annotated[float, "s"] = 0.0  # of the cross-track rate that it navigates on; the law stands twice that
     allow_orbit: bool = False
     frequency_share: float | None = None  # natural frequency of the law over the bank loop's; absent = designed
 
     def __post_init__(self) -> None:
         if self.frequency_share is not None and not 0 < self.frequency_share <= 2:
             raise ValueError("frequency_share must be above 0 and at most 2 bandwidths of the bank loop")
+        if not 0 <= self.estimate_lag <= 30:
+            raise ValueError("estimate_lag must lie within 0 and 30 s")
+        if self.frequency_share is not None and self.estimate_lag > 0:
+            raise ValueError("frequency_share sets the law outright: leave it out, or leave estimate_lag out")
         if not 0 < self.bank_limit <= math.radians(60):
             raise ValueError("bank_limit must be above 0 and at most 60 degrees")
         if not 0 < self.roll_rate_limit <= math.radians(90):

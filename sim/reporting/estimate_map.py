@@ -12,7 +12,7 @@ from sim.reporting import style
 from sim.reporting.followed import Followed
 from sim.reporting.plan_view import extent
 from sim.reporting.quantities import words
-from sim.reporting.replay import ellipse, place_of_plots
+from sim.reporting.replay import ellipse, false_plots, place_of_plots
 from sim.reporting.tracking_errors import LEGEND, legend
 
 KM = 1e-3
@@ -33,8 +33,14 @@ def estimate_map(flight: Flight, scenario: Any, followed: list[Followed], record
     c, s = math.cos(course), math.sin(course)
     turn = np.array(((c, s), (-s, c))) * KM
     x, y = turn @ np.array((flight.state.north, flight.state.east))
-    plots = [turn @ place for name, record in records.items()
-             if (place := place_of_plots(flight, scenario.sensors[name], record)) is not None]  # fmt: skip
+    plots = {
+        label: [
+            turn @ place
+            for name, record in seen.items()
+            if record is not None and (place := place_of_plots(flight, scenario.sensors[name], record)) is not None
+        ]
+        for label, seen in (("false plots", {n: false_plots(r) for n, r in records.items()}), ("plots", records))
+    }
     width = style.WIDTH - style.LEFT - style.RIGHT
     left, right, low, high = extent((x,), (y,))
     height = min(max(width * (high - low) / (right - left), LOWEST), TALLEST)
@@ -73,7 +79,7 @@ def _draw(
     axes: Any,
     shown: list[Followed],
     flown: tuple[np.ndarray, np.ndarray],
-    plots: list[np.ndarray],
+    plots: dict[str, list[np.ndarray]],
     turn: np.ndarray,
     between: tuple[float, float] | None,
 ) -> None:
@@ -83,11 +89,12 @@ def _draw(
     def inside(x: np.ndarray, y: np.ndarray) -> np.ndarray:
         return (x > left) & (x < right) & (y > low) & (y < high)
 
-    for index, (x, y) in enumerate(plots):
-        among = np.flatnonzero(inside(x, y))
-        among = among[:: max(1, len(among) // 400)]
-        label = "plots" if index == 0 else None
-        axes.plot(x[among], y[among], ".", color="#A8A8A8", markersize=2.2, label=label, zorder=1.2)
+    for what, colour, size in (("false plots", "#D6D6D6", 1.6), ("plots", "#A8A8A8", 2.2)):
+        for index, (x, y) in enumerate(plots[what]):
+            among = np.flatnonzero(inside(x, y))
+            among = among[:: max(1, len(among) // 400)]
+            label = what if index == 0 else None
+            axes.plot(x[among], y[among], ".", color=colour, markersize=size, label=label, zorder=1.2)
     thin = max(1, len(flown[0]) // 600)
     axes.plot(flown[0][::thin], flown[1][::thin], color=style.BLACK, linewidth=1.6, label="flown", zorder=1.5)
     for one in shown:

@@ -40,6 +40,7 @@ def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any], followe
         "name": scenario.name,
         "subtitle": _subtitle(scenario, metrics),
         "sentence": what_happened(flight, metrics["flight"], checks),
+        "why": (metrics["flight"].get("navigated") or {}).get("why"),
         "winner": who_won(flight, metrics.get("trackers") or {}, followed),
         "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed"),
         "failed": failed,

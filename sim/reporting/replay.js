@@ -6,6 +6,7 @@
   const part = (name) => section.querySelector(`[data-part="${name}"]`);
   const flight = data.flight, first = flight.t[0], last = flight.t[flight.t.length - 1];
   const TRAIL = 90, FRESH = 40; // s: how long estimates and measurements stay in sight
+  const FAINT = 0.35; // of the strength of other plots, for false ones
   const INK = "#1b1b1b", PALE = "#c4c4c4", ROUTE = "#777", PLOT = "#555";
   let now = first, playing = false, lastFrame = null;
 
@@ -82,7 +83,7 @@
       for (let i = span ? upTo(plots.t, now - FRESH) + 1 : 0; i < end; i++) {
         const p = place(plots.x[i], plots.y[i]);
         if (!p) continue;
-        pen.globalAlpha = span ? 0.25 + 0.75 * (1 - (now - plots.t[i]) / FRESH) : 0.3;
+        pen.globalAlpha = (span ? 0.25 + 0.75 * (1 - (now - plots.t[i]) / FRESH) : 0.3) * (plots.false ? FAINT : 1);
         line(pen, [[p[0] - 3, p[1]], [p[0] + 3, p[1]]], PLOT, 1);
         line(pen, [[p[0], p[1] - 3], [p[0], p[1] + 3]], PLOT, 1);
       }
@@ -169,7 +170,7 @@
       const end = upTo(plots.t, now) + 1;
       for (let i = span ? upTo(plots.t, now - FRESH) + 1 : 0; i < end; i++) {
         const p = place(at("flown", plots.t[i]), plots.height[i]);
-        if (p) { pen.globalAlpha = span ? 0.7 : 0.3; dot(pen, p, 1.5, PLOT); }
+        if (p) { pen.globalAlpha = (span ? 0.7 : 0.3) * (plots.false ? FAINT : 1); dot(pen, p, 1.5, PLOT); }
       }
     }
     pen.globalAlpha = 1;

@@ -57,17 +57,33 @@ def replay(flight: Flight, scenario: Any, followed: list[Followed], records: dic
         ],
         "route": _listed(corners.T),
         "runway": _listed(np.array(((0.0, 0.0), far))),
-        "plots": [found for name, record in records.items() if (found := _plots(flight, scenario, name, record, turn))],
+        "plots": [
+            found
+            for name, record in records.items()
+            for some in (false_plots(record), record)
+            if some is not None and (found := _plots(flight, scenario, name, some, turn, some is not record))
+        ],
         "trackers": [_estimates(one, turn) for one in followed],
     }
 
 
-def _plots(flight: Flight, scenario: Any, name: str, record: Any, turn: np.ndarray) -> dict[str, Any] | None:
+def false_plots(record: Any) -> Any | None:
+    """The false plots of draw 0 as a record of their own; None for a sensor without clutter."""
+    if record.candidates is None:
+        return None
+    plots = record.candidates[:, 1:, :, 0]  # the first is the target's own
+    epoch, plot = np.nonzero(np.isfinite(plots).all(axis=-1))
+    return record._replace(
+        time=record.time[epoch], arrival=record.arrival[epoch], z=plots[epoch, plot][..., None], candidates=None
+    )
+
+
+def _plots(
+    flight: Flight, scenario: Any, name: str, record: Any, turn: np.ndarray, false: bool
+) -> dict[str, Any] | None:
     """Measured places and heights of draw 0 when they became known; None for a sensor that measures neither."""
     thin = max(1, -(-len(record.time) // MOST_PLOTS))
-    some = record._replace(
-        time=record.time[::thin], arrival=record.arrival[::thin], z=record.z[::thin], R=record.R[::thin]
-    )
+    some = record._replace(time=record.time[::thin], arrival=record.arrival[::thin], z=record.z[::thin])
     place = place_of_plots(flight, scenario.sensors[name], some)
     height = height_of_plots(flight, scenario.sensors[name], some)
     if place is None and height is None:
@@ -76,6 +92,7 @@ def _plots(flight: Flight, scenario: Any, name: str, record: Any, turn: np.ndarr
     x, y = (nowhere, nowhere) if place is None else turn @ place
     return {
         "name": words(name),
+        "false": false,
         "t": _listed(some.arrival, 3),
         "x": _listed(x),
         "y": _listed(y),

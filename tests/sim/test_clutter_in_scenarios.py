@@ -10,9 +10,11 @@ import pytest
 
 import sim
 from sim.errors import ScenarioError
+from sim.experiment import measurement_arrays
 from sim.navigation import navigator
-from sim.observation import observe
+from sim.observation import SensorRecord, observe
 from sim.preparation import prepare
+from sim.reporting.replay import false_plots
 from sim.scenario import read
 from sim.sensors.precision_radar import REACH, PrecisionRadar
 from sim.tables import Runway
@@ -203,3 +205,26 @@ def test_a_callers_own_tracker_is_not_handed_the_targets_plot(result):
     own, _ = build(prepared, "mine", clean.trackers["mine"])
     with pytest.raises(ScenarioError, match="tracker of the caller cannot listen to 'radar'"):
         track(prepared, result.flight, result.records, {"own": own})
+
+
+def test_false_plots_are_kept_one_row_each_and_drawn_apart():
+    """Counted by hand: a look with its own plot and one false, a look that missed it among two false ones."""
+    plots = np.full((2, 4, 3, 2), np.nan)
+    plots[0, 0, :, 0], plots[0, 1, :, 0] = (9000.0, 0.01, 0.05), (9100.0, 0.02, 0.05)
+    plots[1, 1, :, 0], plots[1, 2, :, 0] = (8900.0, 0.03, 0.05), (8950.0, -0.01, 0.05)
+    plots[1, 0, :, 1] = (8940.0, 0.0, 0.05)
+    time = np.array((1.0, 2.0))
+    record = SensorRecord(
+        ("range", "azimuth", "elevation"), time, time, plots[:, 0], np.tile(np.eye(3), (2, 1, 1)), plots
+    )
+    arrays = measurement_arrays({"radar": record})
+    kept = {name.removeprefix("radar.plots."): values for name, values in arrays.items() if ".plots." in name}
+    assert kept["time_s"].tolist() == [1.0, 1.0, 2.0, 2.0, 2.0]
+    assert kept["draw"].tolist() == [0, 0, 1, 0, 0]
+    assert kept["target"].tolist() == [1, 0, 1, 0, 0]
+    assert kept["range_m"].tolist() == [9000.0, 9100.0, 8940.0, 8900.0, 8950.0]
+    assert sorted(kept) == ["arrival_s", "azimuth_rad", "draw", "elevation_rad", "range_m", "target", "time_s"]
+    apart = false_plots(record)
+    assert apart.time.tolist() == [1.0, 2.0, 2.0]
+    assert apart.z[:, 0, 0].tolist() == [9100.0, 8900.0, 8950.0]
+    assert false_plots(record._replace(candidates=None)) is None
