@@ -35,6 +35,7 @@ class Claim:
     geometry_by: Literal["paper", "ours", "none"] = "none"  # who chose the path that is flown
     paper_runs: int | None = None
     first_runs: int = 50  # of the quick form
+    most_runs: int = MOST_RUNS  # fewer where a run is long and the verdict is settled by them
     overlooked: bool = False  # the paper does not say it: measured, not judged
     note: str = ""
 
@@ -91,10 +92,10 @@ class Row(NamedTuple):
 
 def measure(paper: str, claim: Claim, seed: int, quick: bool = False) -> Row:
     """Measure every reading; unless ``quick``, with more runs until the intervals say enough or runs are many."""
-    runs = claim.first_runs if quick else min(FULL * claim.first_runs, MOST_RUNS)
+    runs = claim.first_runs if quick else min(FULL * claim.first_runs, claim.most_runs)
     while True:
         found = [reading.measure(seed, runs) for reading in claim.readings]
-        wanted = max((_wanted(claim.printed, interval, runs) for interval in found), default=0)
+        wanted = min(max((_wanted(claim.printed, i, runs) for i in found), default=0), claim.most_runs)
         if quick or wanted <= runs:
             break
         runs = wanted

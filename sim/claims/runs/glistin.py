@@ -159,9 +159,16 @@ def spoilt(seed: int, runs: int, flight: str) -> dict[Spoil, Any]:
 
 def ratio(data: Case, part: str, plain: Any, aided: Any) -> Interval:
     """The RMSE of one filter over that of another in a part of the flight."""
-    rest = ~data.turning
+    rest, turn = ~data.turning, np.flatnonzero(data.turning)
     rest[:SETTLED] = False
-    among = {"turn": data.turning, "straight": rest, "all": data.turning | rest}[part]
+    scans = np.arange(len(rest))
+    among = {
+        "turn": data.turning,
+        "straight": rest,
+        "before": rest & (scans < turn[0]),
+        "behind": rest & (scans > turn[-1]),
+        "all": data.turning | rest,
+    }[part]
     return gain(plain[among].mean(axis=0), aided[among].mean(axis=0))
 
 
@@ -185,11 +192,11 @@ def gained_still(flight: str, spoil: Spoil, part: str = "turn") -> Any:
     return measured
 
 
-def more_in_the_turn(kind: str, flight: str, condition: str) -> Any:
-    """Measure of the gain in the turn over that on the straights beside it."""
+def more_in_the_turn(kind: str, flight: str, condition: str, beside: str) -> Any:
+    """Measure of the gain in the turn over that on the straight before it or behind it."""
 
     def measured(seed: int, runs: int) -> Interval:
-        turn, straight = (gained(kind, flight, condition, part)(seed, runs) for part in ("turn", "straight"))
+        turn, straight = (gained(kind, flight, condition, part)(seed, runs) for part in ("turn", beside))
         value = turn.value / straight.value
         spread = math.hypot(math.log(turn.high / turn.value), math.log(straight.high / straight.value))
         return Interval(value, value * math.exp(-spread), value * math.exp(spread), runs)
