@@ -68,6 +68,7 @@ class Sandbox(NamedTuple):
             "TMPDIR": str(self.place("tmp")),
             "PYTHONPATH": os.pathsep.join((str(WATCH), str(ROOT))),
             "PYTHONDONTWRITEBYTECODE": "1",
+            "HYPOTHESIS_STORAGE_DIRECTORY": str(self.place("tmp") / "hypothesis"),
             "OPENBLAS_NUM_THREADS": "1",
             "NO_COLOR": "1",
             "COLUMNS": "500",
@@ -80,20 +81,36 @@ class Sandbox(NamedTuple):
         asked, told = self.root / "asked.json", self.root / "told.jsonl"
         folder = str(self.place("cwd"))
         asked.write_text(json.dumps([(case.name, [*map(str, case.arguments)], folder) for case in cases]))
+        self.watched("batch.py", asked, told, time_limit=time_limit)
+        return dict(self.told(told))
+
+    def mutations(self, examples: int, every: int, time_limit: float) -> list[tuple[str, Answer]]:
+        """Scenarios bent at random, and what each is answered; of those that fly, ``every`` so many gets its report."""
+        told = self.root / "told.jsonl"
+        self.watched("mutate.py", told, examples, every, time_limit=time_limit)
+        return self.told(told)
+
+    def watched(self, script: str, *arguments: object, time_limit: float) -> None:
+        """Run a script of the watch; it must outlive all that it runs, and print nothing of its own."""
         done = subprocess.run(
-            [sys.executable, str(WATCH / "batch.py"), str(asked), str(told)],
+            [sys.executable, str(WATCH / script), *map(str, arguments)],
             env=self.environment(),
-            cwd=folder,
+            cwd=self.place("cwd"),
             capture_output=True,
             text=True,
             timeout=time_limit,
             check=False,
         )
-        found = dict(json.loads(line) for line in told.read_text().splitlines()) if told.is_file() else {}
-        last = list(found)[-1] if found else "none"
+        told = self.root / "told.jsonl"
+        last = self.told(told)[-1][0] if told.is_file() and told.stat().st_size else "none"
         assert done.returncode == 0, f"the process died after '{last}': {done.returncode} {done.stderr[-2000:]}"
         assert not done.stdout, "something printed past the command"
-        return {name: Answer(**answer) for name, answer in found.items()}
+
+    @staticmethod
+    def told(file: Path) -> list[tuple[str, Answer]]:
+        """What a script wrote down."""
+        lines = [json.loads(line) for line in file.read_text().splitlines()]
+        return [(name, Answer(**answer)) for name, answer in lines]
 
     def acts(self) -> list[list[str]]:
         """All that was noted: [event, path or text, ...]."""
