@@ -63,7 +63,11 @@ def run(page: Path, folder: Path) -> list[str]:
 
     Raises ``RuntimeError`` with the traceback, which names the line of the page.
     """
-    environment = os.environ | {"MATPLOTLIBRC": str(PAGES / "matplotlibrc"), "OPENBLAS_NUM_THREADS": "1"}
+    environment = os.environ | {
+        "MATPLOTLIBRC": str(PAGES / "matplotlibrc"),
+        "OPENBLAS_NUM_THREADS": "1",
+        "SOURCE_DATE_EPOCH": "0",  # a figure drawn again is the same file
+    }
     environment.pop("MPLBACKEND", None)
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", DRIVER, str(page)],
