@@ -36,7 +36,7 @@ def profile(seed: int) -> Iterator[Plot]:
     yield Plot(
         "fig. 1",
         "Idealised landing profile",
-        "Level deceleration, glide path, flare; the An-26 is slower and begins nearer.",
+        "Level deceleration, glide path, flare; flown by an A-4.",
         "distance to the beacon, km",
         "height, m",
         (

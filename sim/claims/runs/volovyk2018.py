@@ -46,7 +46,7 @@ FILTERS = {
     "first order, Q 1e-4": Elevation(MEASURED, 1, angle_increment=INCREMENT * DEGREE),
     "third order, tuned": Elevation(MEASURED, 3),
 }
-PAPER, JSBSIM = "paper", "volovyk2018_mls"
+PAPER, JSBSIM = "paper", "mls_profile"
 
 
 class Leg(NamedTuple):

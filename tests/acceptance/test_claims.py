@@ -1,0 +1,154 @@
+"""The ledger at full size: its time, its known truths, and verdicts that do not hang on the seed."""
+
+from __future__ import annotations
+
+import time
+import tomllib
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim import claims
+from sim.claims.ledger import measure
+from sim.claims.runs import glistin_tuning
+
+pytestmark = pytest.mark.acceptance
+LISTED = tomllib.loads((Path(__file__).resolve().parents[1] / "papers.toml").read_text())
+SEEDS = (claims.SEED, 11, 12)  # none was used to choose anything
+FULL, QUICK = 240.0, 25.0  # s
+
+
+def measured(seed, quick):
+    """Rows by paper and claim, and the seconds of CPU that they took."""
+    began = time.process_time()
+    rows = {
+        (paper, claim.name): measure(paper, claim, seed, quick)
+        for paper in claims.PAPERS
+        for claim in claims.claims_of(paper)
+    }
+    return rows, time.process_time() - began
+
+
+@cache
+def ledger(seed, quick=False):
+    """The same, once for each seed."""
+    return measured(seed, quick)
+
+
+def test_no_verdict_hangs_on_the_seed(row):
+    verdicts = {seed: {key: one.verdict for key, one in ledger(seed)[0].items()} for seed in SEEDS}
+    first = verdicts[SEEDS[0]]
+    changed = sorted(
+        f"{paper} {claim}" for (paper, claim) in first if len({verdicts[seed][paper, claim] for seed in SEEDS}) > 1
+    )
+    judged = sum(verdict is not None for verdict in first.values())
+    told = f"{len(changed)} of {judged}" + (f": {', '.join(changed)}" if changed else "")
+    row(f"claims: verdicts that differ between the seeds {', '.join(map(str, SEEDS))}", "0", told, not changed)
+    assert not changed
+
+
+def test_time(row):
+    full = [ledger(seed)[1] for seed in SEEDS]
+    told = ", ".join(f"{seconds:.0f}" for seconds in full)
+    row("claims: full size, s of CPU, three seeds", f"<= {FULL:.0f}", told, max(full) <= FULL)
+    _, quick = measured(SEEDS[0] + 1, True)  # another seed: nothing is at hand already but the flights
+    row("claims --quick without starting up and flying, s of CPU", f"<= {QUICK:.0f}", f"{quick:.0f}", quick <= QUICK)
+
+
+@pytest.mark.parametrize(
+    ("paper", "claim", "verdict"),
+    [
+        ("kychak2011", "accuracy_gain", "not reproducible"),
+        ("volovyk2022", "accuracy_gain", "qualified"),
+        ("volovyk2018", "multiplications_saved", "reproduced"),
+        ("volovyk2018", "additions_saved", "reproduced"),
+        ("vasylyev2003", "saturated_control_accurate", "reproduced"),
+        ("glistin", "smaller_error", "qualified"),
+        ("glistin", "smaller_error_corrected", "reproduced"),
+    ],
+)
+def test_known_verdicts(row, paper, claim, verdict):
+    found = ledger(SEEDS[0])[0][paper, claim].verdict
+    row(f"claims: verdict on {paper} {claim}", verdict, found, found == verdict)
+    assert found == verdict
+
+
+@pytest.mark.parametrize(
+    ("paper", "claim", "place", "asked"),
+    [
+        ("kychak2011", "accuracy_gain", 0, (99.0, 115.0)),
+        ("vasylyev2003", "saturated_control_accurate", 0, (23.8, 26.8)),
+        ("vasylyev2003", "inside_the_limits", 0, (1.82, 2.12)),
+    ],
+)
+def test_known_values(row, paper, claim, place, asked):
+    found = ledger(SEEDS[0])[0][paper, claim].measured[place]
+    met = asked[0] <= found.value <= asked[1]
+    told = f"{found.value:.2f} ({found.low:.2f} to {found.high:.2f})"
+    row(f"claims: {paper} {claim}, {found.reading}", f"{asked[0]:g} to {asked[1]:g}", told, met)
+    assert met
+
+
+@pytest.mark.parametrize("claim", ["smaller_error_corrected", "smaller_error_corrected_residual"])
+def test_the_corrected_formula_helps_in_turns(row, claim):
+    rows = ledger(SEEDS[0])[0]
+    for name in (claim, f"{claim}_jsbsim"):
+        turns = [m for m in rows["glistin", name].measured if m.reading.endswith("turn")]
+        worst = min(turns, key=lambda m: m.low)
+        told = f"{worst.value:.2f} ({worst.low:.2f} to {worst.high:.2f}), {worst.reading}"
+        row(f"claims: glistin {name}, worst turn", "lower end >= 1.3", told, worst.low >= 1.3)
+        assert worst.low >= 1.3
+
+
+def test_claims_that_survive_six_degrees_of_freedom(row):
+    rows = ledger(SEEDS[0])[0]
+    pairs = [(key, (key[0], f"{key[1]}_jsbsim")) for key in rows if (key[0], f"{key[1]}_jsbsim") in rows]
+    changed = [
+        f"{paper} {claim}: {rows[paper, claim].verdict}, on JSBSim {rows[flown].verdict}"
+        for (paper, claim), flown in pairs
+        if rows[paper, claim].verdict != rows[flown].verdict
+    ]
+    row(
+        "claims: verdicts that JSBSim changes",
+        "shown",
+        f"{len(changed)} of {len(pairs)}" + "".join(f"; {text}" for text in changed),
+        True,
+    )
+    assert pairs
+
+
+def test_madap_against_the_improved_models(row):
+    rows = ledger(SEEDS[0])[0]
+    for (paper, claim), one in rows.items():
+        if paper == "madap" and claim.startswith("multi_") and one.verdict is not None:
+            beside = {
+                name: rows[paper, f"{claim}_{name}"].measured[0].value for name in ("constant_velocity", "intent_imm")
+            }
+            told = f"{one.measured[0].value:.3g}; " + ", ".join(f"{name} {v:.3g}" for name, v in beside.items())
+            met = one.verdict in ("reproduced", "exceeded")
+            row(f"claims: madap {claim}, improved models, {one.claim.unit}", one.claim.printed.text, told, met)
+
+
+@pytest.mark.parametrize("paper", claims.PAPERS)
+def test_every_figure_is_drawn_from_finite_numbers(paper):
+    drawn = import_module(f"sim.claims.figures.{paper}").FIGURES
+    for name, figure in drawn.items():
+        for plot in figure(SEEDS[0]):
+            assert plot.figure == name
+            for curve in plot.curves:
+                assert np.isfinite(np.asarray(curve.x, float)).all()
+                assert np.isfinite(np.asarray(curve.y, float)).all()
+    assert set(drawn) == set(LISTED[paper]["figures"])
+
+
+@pytest.mark.parametrize("kind", glistin_tuning.KINDS)
+def test_no_neighbouring_parameters_are_better(row, kind):
+    """Filters of the load factors: on their own tuning seed the parameters in use are where a descent ends."""
+    flight, condition = "base turn", "0.7 s, 1 deg"
+    found = glistin_tuning.tune(kind, flight, condition)
+    met = found == glistin_tuning.TUNED[flight, condition][kind]
+    row(f"claims: tuned parameters of {kind}, {flight}, {condition}, are the ones in use", "yes", str(met), met)
+    assert met
