@@ -20,7 +20,7 @@ FROZEN = 0
 LOOK = 10  # steps between two looks at the thrust
 QUIET = 2  # looks in a row without a change
 CHANGE = 3e-9  # of the thrust, relative, that is none
-PATIENCE = 500  # looks; a governor that still hunts after 40 s hunts for ever
+PATIENCE = 300  # looks; a governor that still hunts after 25 s hunts for ever
 
 
 def started(executive: Any) -> Callable[[], None]:

@@ -5,28 +5,62 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+import tomllib
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from aircraft.airframe import Airframe, load
 from aircraft.data import AircraftData, FlapSetting, data
 from aircraft.errors import FlightError, TrimError
-from aircraft.model_files import folder
+from aircraft.model_files import OWN_MODELS, folder
+from aircraft.repairs import is_stock
 from aircraft.state import STANDARD_GRAVITY
 from aircraft.trim import Trim, trim
 
+STOCK_TABLE = OWN_MODELS / "stock.toml"
 SHARES = (0.0, 0.5, 1.0)  # of full flaps, where a model has flaps
 HEIGHT = 300.0  # m
 DENSITY = 1.225  # kg/m3, of the first guess only
 LIFT_COEFFICIENT = 0.7  # of the first guess
-GUESSES = (1.0, 1.2, 0.85, 1.45, 1.75, 0.7, 2.1)  # of the speed at that lift coefficient
+UNKNOWN_WING = 60.0  # m/s, the first guess where a model states no wing area
+GUESSES = (1.0, 1.25, 0.8, 1.6, 2.0)  # of the speed at that lift coefficient
 STEP = 0.88  # from one speed to the next slower one
 PRECISION = 0.01  # of the slowest speed
 
 
 def complete(model: str | Path) -> AircraftData:
-    """The data of an aircraft, its flap settings by trims where no file states them; raises ``ModelError``."""
+    """The data of an aircraft with its flap settings, which no file states of most; raises ``ModelError``.
+
+    Those of a stock aircraft are in a table, measured under the version of JSBSim that is noted there; where that is
+    not the version at hand, and for the folder of a user, they are measured on the spot.
+    """
     known = data(model)
-    return known if known.flap_settings else dataclasses.replace(known, flap_settings=flap_settings(model))
+    if known.flap_settings:
+        return known
+    settings = _tabled(folder(model).name) if is_stock(model) else ()
+    return dataclasses.replace(known, flap_settings=settings or flap_settings(model))
+
+
+@functools.cache
+def _table() -> dict[str, Any]:
+    table = tomllib.loads(STOCK_TABLE.read_text()) if STOCK_TABLE.is_file() else {}
+    same = table.pop("versions", {}).get("jsbsim") == version("jsbsim")
+    return table if same else {}
+
+
+def _tabled(name: str) -> tuple[FlapSetting, ...]:
+    rows = _table().get(name, {}).get("flap_settings", [])
+    return tuple(FlapSetting(math.radians(row["flaps_deg"]), math.inf, row["slowest_mps"]) for row in rows)
+
+
+def why_not(airframe: Airframe) -> str:
+    """Why an aircraft has no level flight: what the trim at the likeliest speed says."""
+    try:
+        trim(airframe, _guess(airframe), 0.0, HEIGHT, 0.0, 1.0)
+    except (TrimError, FlightError) as error:
+        return str(error)
+    return "it has no level flight"
 
 
 def flap_settings(model: str | Path) -> tuple[FlapSetting, ...]:
@@ -48,15 +82,16 @@ def _measured(model: str | Path, changed: int) -> tuple[FlapSetting, ...]:
         found = slowest(airframe, flaps)
         if found is not None:
             settings.append(FlapSetting(flaps, math.inf, found.initial.airspeed))
+        elif not settings:
+            break  # what does not fly clean does not fly
     return tuple(settings)
 
 
 def slowest(airframe: Airframe, flaps: float) -> Trim | None:
     """The slowest level flight with gear down that can be trimmed, to a per cent; None when none can be."""
-    pressure = airframe.mass * STANDARD_GRAVITY / (airframe.wing_area * LIFT_COEFFICIENT)
     found = None
     for factor in GUESSES:
-        found = _level(airframe, factor * math.sqrt(2.0 * pressure / DENSITY), flaps, None)
+        found = _level(airframe, factor * _guess(airframe), flaps, None)
         if found is not None:
             break
     if found is None:
@@ -68,6 +103,14 @@ def slowest(airframe: Airframe, flaps: float) -> Trim | None:
         slower = _level(airframe, speed, flaps, found)
         low, found = (speed, found) if slower is None else (low, slower)
     return found
+
+
+def _guess(airframe: Airframe) -> float:
+    """Airspeed, m/s, of level flight at an ordinary lift coefficient."""
+    if not airframe.wing_area > 0.0:
+        return UNKNOWN_WING
+    pressure = airframe.mass * STANDARD_GRAVITY / (airframe.wing_area * LIFT_COEFFICIENT)
+    return math.sqrt(2.0 * pressure / DENSITY)
 
 
 def _level(airframe: Airframe, speed: float, flaps: float, near: Trim | None) -> Trim | None:

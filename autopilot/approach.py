@@ -19,6 +19,10 @@ INTERCEPT, DOWNWIND, BASE_TURN, BASE, FINAL_TURN, FINAL, GLIDE, FLARE, GROUND, G
 LEG_PHASE = (FINAL, BASE)  # of the last leg and the last but one; all before are downwind
 TURN_PHASE = (FINAL_TURN, BASE_TURN)  # onto them; onto all before: intercept
 TURNING = (INTERCEPT, BASE_TURN, FINAL_TURN)
+POSITIVE = (
+    *("roll_rate_limit", "deceleration", "glide_deceleration"),
+    *("height_time", "level_acceleration", "level_change_angle"),
+)
 FROM_HERE = (FLARE, GO_AROUND)  # phases whose path begins where the aircraft is
 ESTABLISHED_TRACK = math.radians(5.0)  # a turn or an intercept is over within this of the course
 ESTABLISHED_CROSS_TRACK = 100.0  # m
@@ -55,6 +59,7 @@ class Approach:
     landing: Annotated[Landing | None, "given"] = None
     roll_rate_limit: Annotated[float, "rad/s"] = math.radians(5.0)
     deceleration: Annotated[float, "m/s2"] = 0.5
+    glide_deceleration: Annotated[float, "m/s2"] = 0.5  # to the approach speed
     flaps: Annotated[float, "rad"] = math.radians(15.0)
     gear: float = 0.0  # before the glide path
     height_time: Annotated[float, "s"] = 8.0  # in which a change of height fades out
@@ -70,7 +75,7 @@ class Approach:
     _glide_entry: float = field(init=False, repr=False, compare=False)  # m to go on the last leg, where it begins
 
     def __post_init__(self) -> None:
-        for name in ("roll_rate_limit", "deceleration", "height_time", "level_acceleration", "level_change_angle"):
+        for name in POSITIVE:
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} of the autopilot must be positive, not {getattr(self, name)}")
         route, law = self.route, self.law
@@ -243,6 +248,7 @@ class Approach:
                 wanted = max(landing.approach_speed, wanted)
             else:
                 flaps, gear, wanted = landing.flaps, 1.0, landing.approach_speed
+                deceleration = self.glide_deceleration
             if phase in (FLARE, GROUND):
                 wanted, deceleration = 0.0, landing.flare_deceleration
             if phase == GROUND:

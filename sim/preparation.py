@@ -123,7 +123,7 @@ def _prepared(scenario: Scenario) -> Prepared:
             law,
             landing,
             roll_rate_limit=scenario.autopilot.roll_rate_limit,
-            deceleration=scenario.route.deceleration if isinstance(scenario.route, PatternTable) else 0.5,
+            **_decelerations(scenario),
             flaps=flaps,
             allow_orbit=scenario.autopilot.allow_orbit,
             offset=abs(scenario.start.cross_track) if len(route.legs) == 1 else math.inf,
@@ -142,6 +142,15 @@ def _prepared(scenario: Scenario) -> Prepared:
     except ArithmeticError as error:
         raise ScenarioError(f"{scenario.name}: {place} no design is possible with these numbers: {error}") from None
     return prepared
+
+
+def _decelerations(scenario: Scenario) -> dict[str, float]:
+    """How fast the pattern lets the speed fall, before and on the glide path."""
+    table = scenario.route
+    if not isinstance(table, PatternTable):
+        return {}
+    on_glide_path = table.deceleration if table.glide_deceleration is None else table.glide_deceleration
+    return {"deceleration": table.deceleration, "glide_deceleration": on_glide_path}
 
 
 def _data(scenario: Scenario) -> AircraftData:
@@ -183,7 +192,10 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
         glide_path,
         touchdown_sink=TOUCHDOWN_SINK * (speed / TOUCHDOWN_SPEED),
         wheel_height=aircraft.height_of_wheels,
-        gate=StabilisedGate(sink=max(StabilisedGate.sink, SINK_MARGIN * speed * math.tan(glide_path))),
+        gate=StabilisedGate(
+            scenario.autopilot.gate_height,
+            sink=max(StabilisedGate.sink, SINK_MARGIN * speed * math.tan(glide_path)),
+        ),
     )
 
 

@@ -110,13 +110,15 @@ class PatternTable:
     turn_speed: Annotated[float, "m/s"] = 69.0
     approach_speed: Annotated[float, "m/s"] = 58.0
     deceleration: Annotated[float, "m/s2"] = 0.5
+    glide_deceleration: Annotated[float | None, "m/s2"] = None  # on the glide path; absent = the same
 
     def __post_init__(self) -> None:
         for name in ("height", "downwind_abeam", "base_distance", "downwind_speed", "turn_speed", "approach_speed"):
             if getattr(self, name) <= 0:
                 raise ValueError(f"{name} must be above 0")
-        if self.deceleration <= 0:
-            raise ValueError("deceleration must be above 0")
+        for name in ("deceleration", "glide_deceleration"):
+            if getattr(self, name) is not None and getattr(self, name) <= 0:
+                raise ValueError(f"{name} must be above 0")
         _within(self, 0.0, 100.0, "m/s2", "deceleration")
         _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
         _within(self, 0.0, FARTHEST, "m", "downwind_abeam", "base_distance")
@@ -166,6 +168,7 @@ class AutopilotTable:
     navigation: str = "truth"
     estimate_lag: Annotated[float, "s"] = 0.0  # of the cross-track rate that it navigates on; the law stands twice that
     allow_orbit: bool = False
+    gate_height: Annotated[float, "m"] = 300.0  # below it an approach that is not stabilised goes around
     frequency_share: float | None = None  # natural frequency of the law over the bank loop's; absent = designed
 
     def __post_init__(self) -> None:
@@ -175,6 +178,8 @@ class AutopilotTable:
             raise ValueError("estimate_lag must lie within 0 and 30 s")
         if self.frequency_share is not None and self.estimate_lag > 0:
             raise ValueError("frequency_share sets the law outright: leave it out, or leave estimate_lag out")
+        if not 0 <= self.gate_height <= 1000:
+            raise ValueError("gate_height must lie within 0 and 1000 m")
         if not 0 < self.bank_limit <= math.radians(60):
             raise ValueError("bank_limit must be above 0 and at most 60 degrees")
         if not 0 < self.roll_rate_limit <= math.radians(90):
