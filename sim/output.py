@@ -36,7 +36,7 @@ def refuse_foreign(folder: Path, what: str) -> None:
         if folder.exists() and not folder.is_dir():
             raise OutputError(f"{folder}: is a file; name a folder with -o")
         if folder.is_dir() and any(folder.iterdir()):
-            if not (folder / MARK).is_file():
+            if (folder / MARK).is_symlink() or not (folder / MARK).is_file():
                 raise OutputError(f"{folder}: holds files that shortfinal did not write; choose another folder with -o")
             holds = (folder / MARK).read_text(errors="replace").removeprefix(WRITTEN_BY).strip()
             if holds in KINDS and holds != what:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import unicodedata
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
@@ -23,6 +24,13 @@ def _within(instance: Any, low: float, high: float, unit: str, *names: str) -> N
         value = getattr(instance, name)
         if value is not None and not low <= value <= high:
             raise ValueError(f"{name.rstrip('_')} must lie within {low:g} and {high:g} {unit}")
+
+
+def _one_line(instance: Any, *names: str) -> None:
+    """Refuse texts that would move the cursor of a terminal, or turn the writing round."""
+    for name in names:
+        if any(unicodedata.category(letter) in ("Cc", "Cf") for letter in getattr(instance, name) or ""):
+            raise ValueError(f"the {name} of the check of '{instance.metric}' must be plain text on one line")
 
 
 @dataclass(frozen=True)
@@ -264,6 +272,7 @@ class Check:
     source: str = ""
 
     def __post_init__(self) -> None:
+        _one_line(self, "name", "source")
         if self.max is None and self.min is None:
             raise ValueError(f"the check of '{self.metric}' needs 'max' or 'min'")
         if self.max is not None and self.min is not None and self.max < self.min:
@@ -308,6 +317,7 @@ class StudyCheck:
     source: str = ""
 
     def __post_init__(self) -> None:
+        _one_line(self, "name", "source")
         if (self.max is None) == (self.min is None):
             raise ValueError(f"the check of '{self.metric}' needs either 'max' or 'min'")
         for name in ("share", "confidence"):
