@@ -15,6 +15,7 @@ from aircraft.model_files import OWN_MODELS
 
 GOOD = (OWN_MODELS / "an26" / "an26.xml").read_text()
 FLIES = "flies"
+ODD_NAME = "ein flugzeug & <co> $_{ \u202e"
 REVERSE_DELAY = '<actuator name="a"><input>velocities/vt-fps</input><delay type="time">-5</delay></actuator>'
 
 
@@ -198,7 +199,7 @@ MODELS = {
     "infinite": HostileModel("must be a number", GOOD.replace(">20000<", ">1e999<")),
     "negative_mass": HostileModel("mass", GOOD.replace(">20000<", ">-20000<")),
     "no_mass_at_all": HostileModel("mass|cannot be trimmed|not finite", GOOD.replace(">20000<", ">0<")),
-    "no_wing": HostileModel("cannot be trimmed", re.sub(r"(<wingarea[^>]*>)[^<]*", r"\g<1>0", GOOD)),
+    "no_wing": HostileModel("cannot be trimmed|with these numbers", re.sub(r"(<wingarea[^>]*>)[^<]*", r"\g<1>0", GOOD)),
     "infinite_wing": HostileModel("numeric", re.sub(r"(<wingarea[^>]*>)[^<]*", r"\g<1>inf", GOOD)),
     "unknown_unit": HostileModel("FURLONG2", GOOD.replace('unit="M2"', 'unit="FURLONG2"')),
     "words_for_numbers": HostileModel(
@@ -240,5 +241,5 @@ MODELS = {
     "an26": HostileModel("hides", GOOD),
     "c172x": HostileModel("hides", GOOD),
     "a b": HostileModel(FLIES, GOOD),
-    "ein flugzeug & <co> \u202e": HostileModel(FLIES, GOOD),
+    ODD_NAME: HostileModel(FLIES, GOOD),
 }

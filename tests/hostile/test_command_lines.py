@@ -30,6 +30,8 @@ def sandbox(tmp_path_factory):
     (cwd / "file").write_text("")
     (cwd / "claimed").mkdir()
     (cwd / "claimed" / ".shortfinal").write_text("written by shortfinal run\n")
+    (cwd / "baited").mkdir()
+    (cwd / "baited" / ".shortfinal").symlink_to(cwd / "foreign" / "thesis.txt")
     os.mkfifo(cwd / "fifo.toml")
     (cwd / "loop.toml").symlink_to("loop.toml")
     for name, (content, _) in SCENARIOS.items():
