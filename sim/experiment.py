@@ -24,6 +24,7 @@ from sim.navigation import navigator
 from sim.observation import SensorRecord, observe
 from sim.output import claim, refuse_foreign, staged, write_json, write_npz
 from sim.preparation import Prepared, prepare
+from sim.remarks import remarks
 from sim.quarantine import apart
 from sim.scenario import Scenario, read
 from sim.toml import dumps
@@ -137,7 +138,7 @@ def run(
         "flight": each[0],
         "flights_summary": summarise(each),
         "trackers": tracker_metrics,
-        "warnings": list(prepared.warnings),
+        "warnings": [*prepared.warnings, *remarks(first, scenario.sensors, records, tracker_metrics)],
     }
     metrics["checks"] = judge(scenario.checks, first, scenario.runway, {**each[0], "trackers": tracker_metrics})
     return Result(prepared, flown, records, tracks, metrics, timing)

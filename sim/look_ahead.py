@@ -68,6 +68,8 @@ class LookAhead:
         if not self.kept:
             return []
         try:
+            if not type(self.trackers[0]).__module__.startswith(("tracking.", "sim.")):
+                raise TypeError("a number in the state of a caller's tracker need not take one value for each draw")
             joined = side_by_side([state for _, state in self.kept], self.draws * len(self.trackers))
         except TypeError:  # a state of the caller's own making
             return [(np.array([time]), state) for time, state in self.kept]

@@ -16,6 +16,7 @@ import sim
 from autopilot.modes.lateral_navigation import LateralNavigation
 from sim.experiment import fly
 from sim.metrics import flight_metrics
+from sim.navigated import navigated
 from sim.observation import observe
 from sim.preparation import prepare
 from sim.scenario import read
@@ -28,13 +29,14 @@ from tracking.trackers.saturated_control import SaturatedControl
 
 pytestmark = pytest.mark.acceptance
 SEED = 3001
-FLIGHTS = {"route_control": 40, "saturated_control": 40, "imm": 12, "linear_feedback": 4, "truth": 1}
+# 80 of 80 leave at least 0.95 at the lower end of the interval
+FLIGHTS = {"route_control": 80, "saturated_control": 80, "imm": 12, "linear_feedback": 4, "truth": 1}
 BOX = 21.0 - 0.5 * 7.9  # m off the centreline that keep the outer main wheel within 21 m
 
 
 @cache
 def approaches(name, navigation, count, *changes):
-    """Flights on a tracker (or on the truth) with their figures and the consistency of that tracker."""
+    """Flights on a tracker (or on the truth) with their figures, among them why they failed, and its consistency."""
     everyone = sim.read(name).tables["trackers"]
     trackers = {} if navigation == "truth" else {navigation: everyone[navigation]}
     overrides = {"seed": SEED, "autopilot.navigation": navigation, "trackers": trackers, "checks": []}
@@ -47,7 +49,9 @@ def approaches(name, navigation, count, *changes):
         figures.append(flight_metrics(one, scenario.runway, prepared.law.bank_limit))
         if trackers:
             records = observe(one, scenario.sensors, scenario.seed, number, 1)
-            anees.append(track(prepared, one, records, {}, number)[1][navigation]["anees"])
+            tracked, judged = track(prepared, one, records, {}, number)
+            anees.append(judged[navigation]["anees"])
+            figures[-1]["navigated"] = navigated(prepared, one, tracked[navigation].track, judged[navigation])
     return scenario, flown, figures, anees
 
 
@@ -74,12 +78,12 @@ def test_talk_down(row, navigation):
     share = proportion(sum(map(in_box, figures)), count)
     outcomes = dict(Counter(m["outcome"] for m in figures))
     law_aware = navigation in ("route_control", "saturated_control")
-    asked = ">= 0.95" if law_aware else "shown"
+    asked = ">= 0.95 at the lower end" if law_aware else "shown"
     row(
         f"talk-down on {navigation}, {count} flights: P(60-823 m, outer wheel within 21 m)",
         asked,
         f"{told(share)}; {outcomes}",
-        not law_aware or share.value >= 0.95,
+        not law_aware or share.low >= 0.95,
     )
     at = {
         "across at 60 m, m": ("cross_track_at_decision_height_m", "<= 30", 30.0),
@@ -107,39 +111,57 @@ def test_talk_down(row, navigation):
         q = scenario.trackers[navigation].table.get("acceleration_density_m2ps3", 0.1)
         told_q = f", q {q} m2/s3" if law_aware else ""
         row(f"talk-down on {navigation}: ANEES of the position{told_q}", "reported", told(mean_interval(anees)), True)
+        late = mean_interval([m["navigated"]["rate_lag_s"] for m in figures])
+        stood = figures[0]["navigated"]["rate_lag_stood_s"]
+        what = f"talk-down on {navigation}: lag of its rate, and what the law stands, s"
+        row(what, "shown", f"{told(late)}, {stood:.1f}", True)
     assert not law_aware or share.value >= 0.95
 
 
-def test_talk_down_on_the_imm_with_soft_gains(row):
-    """Without the law the turn is noticed seconds late: the aircraft's own gains then cycle, the page's do not."""
+def test_talk_down_on_the_imm_says_why_it_fails(row):
+    """Without the law a turn is noticed seconds late, and later than the law of the aircraft stands."""
     count = FLIGHTS["imm"]
-    soft = {"k1_deg_per_m": 0.02, "k2_deg_per_mps": 0.5, "cross_track_limit_m": 900.0}
-    changes = tuple((f"autopilot.law.{key}", value) for key, value in soft.items())
-    _, _, figures, anees = approaches("an26_talkdown", "imm", count, *changes)
+    _, _, figures, _ = approaches("an26_talkdown", "imm", count)
+    lags = [(m["navigated"]["rate_lag_s"], m["navigated"]["rate_lag_stood_s"]) for m in figures]
+    too_late = sum(late > stood for late, stood in lags)
+    row(
+        f"talk-down on imm, {count} flights: its rate comes later than the law stands",
+        "says why",
+        f"{too_late} of {count}; first: {figures[0]['navigated']['why']}",
+        all(m["navigated"]["why"] for m in figures if m["outcome"] != "landed"),
+    )
+    assert too_late == count
+
+
+def test_talk_down_on_the_imm_with_the_law_that_stands_its_lag(row):
+    """The lag that the recipe is told, 7 s, was chosen on seed 77."""
+    count = 24
+    _, _, figures, anees = approaches("an26_talkdown_imm", "imm", count)
     share = proportion(sum(map(in_box, figures)), count)
     across, rate = (spread(figures, name) for name in ("cross_track_at_decision_height_m", "bank_rate_rms_final_degps"))
+    late = mean_interval([m["navigated"]["rate_lag_s"] for m in figures])
     row(
-        f"talk-down on imm with soft gains, {count} flights: P(box), across at 60 m, bank rate, ANEES",
+        f"an26_talkdown_imm, law for a lag of 7 s, {count} flights: P(box), across at 60 m, bank rate, lag, ANEES",
         "shown",
         f"{told(share)} {dict(Counter(m['outcome'] for m in figures))}; {across} m; {rate} deg/s; "
-        f"{told(mean_interval(anees))}",
+        f"{told(late)} s; {told(mean_interval(anees))}",
         True,
     )
     assert sum(m["outcome"] == "landed" for m in figures) > count / 2
 
 
 def test_talk_down_on_linear_feedback_fails_and_says_why(row):
-    _, flown, figures, _ = approaches("an26_talkdown", "linear_feedback", FLIGHTS["linear_feedback"])
-    reasons = "; ".join(one.reason for one in flown)
+    _, _, figures, _ = approaches("an26_talkdown", "linear_feedback", FLIGHTS["linear_feedback"])
+    reasons = "; ".join(m["navigated"]["why"] or "" for m in figures)
     landed = sum(map(in_box, figures))
     row(
         "talk-down on linear_feedback: the outcome says why it fails",
-        "not in the box, with a reason",
+        "not landed, with a reason",
         f"{landed} of {len(figures)} in the box; {reasons}",
-        landed == 0 and all(one.reason for one in flown),
+        landed == 0 and all(m["navigated"]["why"] for m in figures),
     )
     assert landed == 0
-    assert all(one.reason for one in flown)
+    assert all("was lost after" in m["navigated"]["why"] for m in figures)
 
 
 @pytest.mark.parametrize("density", [0.1, 0.3])
