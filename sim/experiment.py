@@ -24,8 +24,8 @@ from sim.navigation import navigator
 from sim.observation import SensorRecord, observe
 from sim.output import claim, refuse_foreign, staged, write_json, write_npz
 from sim.preparation import Prepared, prepare
-from sim.remarks import remarks
 from sim.quarantine import apart
+from sim.remarks import remarks
 from sim.scenario import Scenario, read
 from sim.toml import dumps
 from sim.tracker_setup import build, check

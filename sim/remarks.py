@@ -40,6 +40,6 @@ def _sensor(flight: Flight, name: str, sensor: Any, record: SensorRecord) -> str
     if distance[nearest] > CLOSE:
         return None
     return (
-        f"sensor '{name}' stands on the flight's way: at {state.time[nearest]:.0f} s the aircraft passed its antenna at "
-        f"{distance[nearest]:.0f} m, where an azimuth says nothing"
+        f"sensor '{name}' stands on the flight's way: at {state.time[nearest]:.0f} s the aircraft passed its antenna "
+        f"at {distance[nearest]:.0f} m, where an azimuth says nothing"
     )
