@@ -76,7 +76,7 @@ def _result(
         "statistic": check.statistic,
         "for_s": check.for_,
         "limit": limit,
-        "value": value,
+        "value": None if value is None else value + 0.0,
         "unit": unit,
         "margin": None if margin is None else margin + 0.0,  # no minus zero
         "time_s": time,
@@ -131,7 +131,7 @@ def _signal(check: Check, flight: Flight, runway: Runway) -> dict[str, Any]:
         if limit is None:
             continue
         for run in _runs(window):
-            found = _worst(sign * signal[run], flight.time[run], check)
+            found = _worst(sign, signal[run], flight.time[run], check)
             if found is not None:
                 value, time = sign * found[0], found[1]
                 margin = sign * (limit - value)
@@ -150,10 +150,11 @@ def _runs(window: np.ndarray) -> list[slice]:
     return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _worst(signal: np.ndarray, time: np.ndarray, check: Check) -> tuple[float, float] | None:
-    """The largest value that lasted ``for_s``, and when; None where nothing lasted that long."""
+def _worst(sign: float, signal: np.ndarray, time: np.ndarray, check: Check) -> tuple[float, float] | None:
+    """The largest ``sign`` times the signal that lasted ``for_s``, and when; None where nothing lasted that long."""
     if check.statistic == "rms":
-        return float(np.sqrt(np.mean(signal**2))), float(time[0])
+        return sign * float(np.sqrt(np.mean(signal**2))), float(time[0])
+    signal = sign * signal
     if check.statistic == "p95":
         return float(np.percentile(signal, 95)), float(time[0])
     if check.statistic == "mean_5_s":

@@ -17,7 +17,6 @@ import pytest
 SUFFIX = ".scenario.toml"
 FLOWN = pytest.StashKey[dict[str, Any]]()  # of the session: results by resolved scenario
 USED = pytest.StashKey[list[Any]]()  # of an item: the results that it looked at
-UNIT_WORDS = {"mps": "m/s", "degps": "deg/s", "": ""}
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -72,6 +71,8 @@ class CheckItem(pytest.Item):
 
     def runtest(self) -> None:
         """Fly the scenario, unless a check before this one did, and look at one of its checks."""
+        from sim.check_words import broken, phases
+
         result = fly(self, self.path)
         if self.index is None:
             return
@@ -96,29 +97,6 @@ class CheckItem(pytest.Item):
 
 class CheckBroken(ValueError):
     """A check that the flight did not keep."""
-
-
-def phases(check: dict[str, Any]) -> str:
-    """The phases of a check in words."""
-    during = check["during"]
-    return during if isinstance(during, str) else " or ".join(during)
-
-
-def broken(check: dict[str, Any]) -> str:
-    """What was asked, what was flown, when, and who asks."""
-    unit = UNIT_WORDS.get(check["unit"], check["unit"])
-    limit = f"{check['limit']:g} {unit}".strip()
-    if check["value"] is None:
-        return f"{check['name']}: the flight has no {check['metric']}, limit {limit}; source: {check['source']}"
-    when = "" if check["time_s"] is None else f" at {check['time_s']:.1f} s"
-    statistic = "" if check["statistic"] == "max" else f" ({check['statistic']})"
-    lasting = f" for {check['for_s']:g} s" if check["for_s"] else ""
-    value = f"{check['value']:.4g} {unit}".strip()
-    return (
-        f"{check['name']}: {check['metric']}{statistic} = {value}{lasting}{when}, limit {limit}, "
-        f"beyond it by {-check['margin']:.4g} {unit}".rstrip()
-        + f"; source: {check['source'] or 'not given'}"
-    )
 
 
 def fly(item: pytest.Item, source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from sim.check_words import broken_in_study
 from sim.summary import table
 
 
@@ -14,6 +15,9 @@ def study_summary(metrics: dict[str, Any]) -> str:
     if metrics["checks"]:
         header = ["check", "flights", "within", "value", "limit", "margin", ""]
         lines += ["", *table([header, *map(_shown, metrics["checks"])], 1)]
+    failed = [check for check in metrics["checks"] if check["passed"] is False]
+    if failed:
+        lines += ["", *map(broken_in_study, failed)]
     return "\n".join(lines)
 
 

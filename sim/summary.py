@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from sim.check_words import broken
 from sim.conformance import told_in_words
 
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
@@ -39,6 +40,9 @@ def summary(metrics: dict[str, Any]) -> str:
             for check in metrics["checks"]
         ]
         lines += ["", *table([header, *shown], 1)]
+    failed = [check for check in metrics["checks"] if check["passed"] is False]
+    if failed:
+        lines += ["", *map(broken, failed)]
     lines += [f"warning: {warning}" for warning in metrics["warnings"]]
     return "\n".join(lines)
 

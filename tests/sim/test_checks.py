@@ -89,6 +89,8 @@ def test_rms_and_percentile_of_a_sine(make_flight):
     flight = make_flight(TIME, FINAL, bank=np.radians(10.0) * np.sin(2 * np.pi * TIME / 10.0))
     found = only(Check("bank_deg", max=9.0, statistic="rms"), flight)["value"]
     assert found == pytest.approx(10 / math.sqrt(2), rel=1e-3)  # whole periods but one record
+    least = only(Check("bank_deg", min=9.0, statistic="rms"), flight)
+    assert (least["value"], least["margin"]) == (pytest.approx(found), pytest.approx(found - 9.0))
     # the magnitude of a sine is below sin(0.95 pi/2) of its peak 95 % of the time
     found = only(Check("bank_deg", max=9.0, statistic="p95"), flight)["value"]
     assert found == pytest.approx(10 * math.sin(0.95 * math.pi / 2), rel=2e-3)
