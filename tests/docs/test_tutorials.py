@@ -79,6 +79,15 @@ def test_no_figure_is_left_over():
     assert {file.name for file in tutorials.FIGURES.iterdir()} == shown
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_axes_say_what_they_show_and_in_which_unit(page):
+    for block in tutorials.blocks(page):
+        labels = dict(re.findall(r'\b(xlabel|ylabel)="([^"]+)"', block.code))
+        if "savefig" in block.code:
+            assert set(labels) == {"xlabel", "ylabel"}
+        assert [label for label in labels.values() if ", " not in label and "probability" not in label] == []
+
+
 @pytest.mark.parametrize("page", PROSE, ids=lambda page: page.stem)
 def test_links_lead_somewhere(page):
     links = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8"))
