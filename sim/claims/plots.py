@@ -11,7 +11,7 @@ class Curve(NamedTuple):
     label: str
     x: Any
     y: Any
-    look: str = "line"  # or "dashed", "dots"
+    look: str = "line"  # or "dashed", "dots", "places"
 
 
 class Plot(NamedTuple):

@@ -17,10 +17,15 @@ from sim.claims.text import figure, interval, summary
 from sim.output import staged, write_json
 from sim.reporting import style
 from sim.reporting.quantities import ABSENT
+from sim.reporting.tracking_errors import logarithmic
 
 HEIGHT = 2.4  # in
-LOOKS = {"line": {"linestyle": "-"}, "dashed": {"linestyle": (0, style.DASHED)}}
-DOTS = {"linestyle": "none", "marker": ".", "markersize": 2.0}
+LOOKS: dict[str, dict[str, Any]] = {
+    "line": {"linestyle": "-"},
+    "dashed": {"linestyle": (0, style.DASHED)},
+    "dots": {"linestyle": "none", "marker": ".", "markersize": 2.0},
+    "places": {"linestyle": "none", "marker": "^", "markersize": 5.0},
+}
 
 
 def write(folder: Path, rows: Sequence[Row], seed: int) -> None:
@@ -75,7 +80,7 @@ def _row(row: Row) -> dict[str, Any]:
             {
                 "reading": m.reading,
                 "value": figure(m.value) + unit,
-                "interval": interval(m),
+                "interval": ABSENT if m.low == m.high else interval(m),
                 "runs": ABSENT if m.low == m.high else m.runs,
             }
             for m in row.measured
@@ -86,12 +91,13 @@ def _row(row: Row) -> dict[str, Any]:
 def chart(plot: Plot) -> style.Chart:
     """A figure of a paper, drawn."""
     drawn, (axes,) = style.panels(HEIGHT * (1.6 if plot.equal else 1.0))
-    for place, curve in enumerate(plot.curves):
-        look: dict[str, Any] = DOTS if curve.look == "dots" else LOOKS[curve.look]
-        colour = style.GREY if curve.look == "dots" else style.TRACKERS[place % len(style.TRACKERS)]
+    colours = iter(style.TRACKERS)
+    for curve in plot.curves:
+        look: dict[str, Any] = LOOKS[curve.look]
+        colour = style.GREY if look["linestyle"] == "none" else next(colours)
         axes.plot(np.asarray(curve.x), np.asarray(curve.y), color=colour, label=curve.label, **look)
     if plot.logarithmic:
-        axes.set_yscale("log")
+        logarithmic(axes)
     if plot.equal:
         axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel(plot.x)

@@ -14,15 +14,15 @@ def flights(seed: int) -> Iterator[Plot]:
     curves = []
     for speed in SPEEDS:
         state = Madap(speed, BANKS[1]).fly(step=STEP).state
-        curves.append(Curve(f"{speed / KNOT:.0f} kt", state.north / NAUTICAL_MILE, state.east / NAUTICAL_MILE))
-    places = ([r.north / NAUTICAL_MILE for r in SEVERAL], [r.east / NAUTICAL_MILE for r in SEVERAL])
+        curves.append(Curve(f"{speed / KNOT:.0f} kt", state.east / NAUTICAL_MILE, state.north / NAUTICAL_MILE))
+    places = ([r.east / NAUTICAL_MILE for r in SEVERAL], [r.north / NAUTICAL_MILE for r in SEVERAL])
     yield Plot(
         "flights",
         "Four of the sixteen, bank 30 deg",
-        "Dots are the radars, chosen here.",
-        "north, NM",
+        "The radars are chosen here.",
         "east, NM",
-        (*curves, Curve("radars", *places, "dots")),
+        "north, NM",
+        (*curves, Curve("radars", *places, "places")),
         equal=True,
     )
 

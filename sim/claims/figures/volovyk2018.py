@@ -25,6 +25,8 @@ from sim.randomness import stream
 from sim.truths.mls_profile import MlsProfile
 from tracking.trackers.elevation import PERIOD, elevation_of
 
+NEAREST = 750.0  # m, printed: the flare that follows is ours
+
 
 def profile(seed: int) -> Iterator[Plot]:
     """The landing profile."""
@@ -50,19 +52,20 @@ def derivatives(figure: str, title: str) -> Plot:
     """The elevation along the printed profile with its derivatives."""
     state = MlsProfile().fly().state
     distance = -state.north
-    near = distance > 300.0
-    motion = elevation_of(distance, state.height, -state.velocity_north, state.velocity_up)
-    angle, rate = np.degrees(motion.angle), np.degrees(motion.rate)
-    quantities = (
-        ("elevation", angle, "deg"),
-        ("rate", rate, "deg/s"),
-        ("acceleration", np.gradient(rate, state.time), "deg/s^2"),
+    near = distance > NEAREST
+    along, _, up = state.acceleration
+    motion = elevation_of(distance, state.height, -state.velocity_north, state.velocity_up, -along, up)
+    quantities = tuple(
+        (name, np.degrees(values), unit)
+        for name, values, unit in zip(
+            ("elevation", "rate", "acceleration"), motion, ("deg", "deg/s", "deg/s^2"), strict=True
+        )
     )
     curves = []
     for name, values, unit in quantities:
         largest = float(np.abs(values[near]).max())
         curves.append(Curve(f"{name}, largest {largest:.3g} {unit}", state.time[near], values[near] / largest))
-    caption = "Each divided by its largest value; up to 300 m from the beacon."
+    caption = "Each divided by its largest value; up to the decision height, where the flare begins."
     return Plot(figure, title, caption, "time, s", "share of the largest", tuple(curves))
 
 

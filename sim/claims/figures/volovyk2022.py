@@ -15,6 +15,8 @@ from sim.truths.landing_pattern import GROUND
 from tracking.gaussian import merge
 from tracking.track import follow
 
+LEFT_UP = np.array([[1.0], [-1.0]])  # north and east as a map that is flown from left to right
+
 
 def landing_pattern(seed: int) -> Iterator[Plot]:
     """The path."""
@@ -22,14 +24,15 @@ def landing_pattern(seed: int) -> Iterator[Plot]:
     for truth, name, look in ((LEFT, "point mass", "line"), (JSBSIM, "flown on JSBSim", "dashed")):
         data = experiment(seed, SMALLEST, truth)
         airborne = data.phase[:, 0] < GROUND
-        curves.append(Curve(name, *(data.truth[airborne, i, 0] / 1e3 for i in (0, 1)), look))
+        north, east = data.truth[airborne, :, 0].T / 1e3
+        curves.append(Curve(name, north, -east, look))
     yield Plot(
         "fig. 1",
         "Landing pattern",
         "From the base leg to the touchdown; the radar stands beside the runway.",
-        "north, km",
-        "east, km",
-        (*curves, Curve("radar", [RADAR[0] / 1e3], [RADAR[1] / 1e3], "dots")),
+        "past the threshold, km",
+        "left of the centreline, km",
+        (*curves, Curve("radar", [RADAR[0] / 1e3], [-RADAR[1] / 1e3], "places")),
         equal=True,
     )
 
@@ -82,12 +85,12 @@ def estimates(seed: int) -> Iterator[Plot]:
             "fig. 3",
             f"Measurement, truth and estimate{title}",
             "One realisation.",
-            "north, km",
-            "east, km",
+            "past the threshold, km",
+            "left of the centreline, km",
             (
-                Curve("measured", *found.measured[:, chosen], "dots"),
-                Curve("estimate", *found.estimate[chosen].T),
-                Curve("truth", *found.truth[chosen].T, "dashed"),
+                Curve("measured", *(LEFT_UP * found.measured[:, chosen]), "dots"),
+                Curve("estimate", *(LEFT_UP * found.estimate[chosen].T)),
+                Curve("truth", *(LEFT_UP * found.truth[chosen].T), "dashed"),
             ),
             equal=True,
         )
