@@ -34,7 +34,7 @@ def keep(folder: Path, mark: str, row: Row) -> None:
     line = {"stamp": mark, "paper": row.paper, "claim": row.claim.name, "measured": row.measured}
     try:
         with (folder / FILE).open("a", encoding="utf-8") as file:
-            file.write(json.dumps(line) + "\n")
+            file.write(f"\n{json.dumps(line)}\n")  # the line before may be torn
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written: {error.strerror}; what was measured before is kept") from None
 
