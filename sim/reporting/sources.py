@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from aircraft.data import data
 from aircraft.point_mass import PointMass
 from aircraft.turbulence import Turbulence
-from aircraft.turbulence_intensity import intensity
+from aircraft.turbulence_intensity import intensity, sigma_aloft
 from autopilot.design import lateral_law
 from sim import catalogue
 from sim.reporting.quantities import words
@@ -36,6 +36,10 @@ PAPERS = {
         "A. Volovyk: Adaptive estimation of the motion parameters of an aircraft that keeps a prescribed landing "
         "trajectory. Vinnytsia National Technical University, 2022 (in Ukrainian)."
     ),
+    "Vicroy 1991": (
+        "D. D. Vicroy: A simple, analytical, axisymmetric microburst model for downdraft estimation. NASA TM-104053, "
+        "1991."
+    ),
     "Glistin": (
         "V. N. Glistin, Yu. N. Panasyuk: Use of dynamic data of an aircraft in the angular channel of information and "
         "measuring systems. Tambov State Technical University (in Russian)."
@@ -56,7 +60,10 @@ def what_ran(scenario: Any, law: Any) -> list[Any]:
     if scenario.aircraft.model == "point_mass":
         things.append(PointMass)
     if scenario.wind.intensity > 0:
-        things += [Turbulence, intensity]
+        things += [Turbulence, intensity, sigma_aloft]
+    if scenario.wind.profile is not None:
+        things.append(scenario.wind.profile)
+    things += scenario.wind.events.values()
     kinds = dict.fromkeys(tracker.kind for tracker in scenario.trackers.values())
     return [*things, *scenario.sensors.values(), *(catalogue.load("trackers", kind) for kind in kinds)]
 

@@ -296,6 +296,15 @@ def test_turbulence_is_told_from_the_rest_of_the_wind(make_flight):
     assert spectra(flight, scenario, met) is not None
 
 
+def test_the_report_names_what_the_weather_stands_on():
+    from sim.reporting.sources import sources, what_ran
+
+    scenario = read("an26_windshear", {"wind.shear": "logarithmic", "wind.events.g": GUST})
+    equations, papers, _ = sources(what_ran(scenario, prepare(scenario).law))
+    assert {"CS 25.341(a)", "MIL-F-8785C, wind shear model"} <= {equation.tag for equation in equations}
+    assert any("TM-104053" in paper for paper in papers)
+
+
 def test_a_drawn_spectrum_has_the_variance_of_its_record():
     from sim.reporting.weather_charts import spectrum
 
