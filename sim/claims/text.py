@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from sim.claims.ledger import Measured, Row
 
+FLOWN = "_jsbsim"  # ends the names of claims that are measured on JSBSim flights too
 HEADS = ("paper", "claim", "printed", "measured", "95 % interval", "n", "truth", "verdict")
 
 
@@ -54,15 +55,24 @@ def table(rows: Sequence[Row]) -> str:
 
 
 def summary(rows: Sequence[Row]) -> str:
-    """The judged claims as a Markdown table."""
-    lines = ["| paper | claim | printed | measured | verdict |", "|---|---|---|---|---|"]
+    """The judged claims as a Markdown table, a claim on JSBSim flights beside the same on its own truth."""
+    flown = {(row.paper, row.claim.name.removesuffix(FLOWN)): row for row in rows if row.claim.name.endswith(FLOWN)}
+    lines = ["| paper | claim | printed | measured | verdict | on JSBSim |", "|---|---|---|---|---|---|"]
     for row in rows:
-        if row.verdict is None:
+        claim = row.claim
+        if row.verdict is None or claim.name.endswith(FLOWN):
             continue
-        claim, m = row.claim, row.measured[0] if row.measured else None
-        value = "-" if m is None else f"{figure(m.value)} {claim.unit}".strip()
-        if m is not None and m.low != m.high:
-            value += f" ({interval(m)})"
+        beside = flown.get((row.paper, claim.name))
+        six = "" if beside is None else f"{_first(beside, ends=False)}: {beside.verdict}"
         printed = "-" if claim.printed is None else f"{claim.printed.text} {claim.unit}".strip()
-        lines.append(f"| {row.paper} | {claim.words} | {printed} | {value} | {row.verdict} |")
+        lines.append(f"| {row.paper} | {claim.words} | {printed} | {_first(row)} | {row.verdict} | {six} |")
     return "\n".join(lines)
+
+
+def _first(row: Row, ends: bool = True) -> str:
+    """The reading that a row quotes."""
+    if not row.measured:
+        return "-"
+    m = row.measured[0]
+    value = f"{figure(m.value)} {row.claim.unit}".strip() if ends else figure(m.value)
+    return f"{value} ({interval(m)})" if ends and m.low != m.high else value

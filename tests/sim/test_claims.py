@@ -6,6 +6,7 @@ import json
 import math
 import os
 import tomllib
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -163,6 +164,13 @@ def test_what_no_paper_says_is_measured_and_not_judged():
     assert row.plain()["verdict"] is None
     assert "measured" in table([row])
     assert "ours" not in summary([row])
+
+
+def test_the_summary_sets_a_flown_claim_beside_its_own():
+    flown = made(2.5)
+    flown = flown._replace(claim=replace(flown.claim, name="gain_jsbsim", truth="jsbsim"))
+    *_, line = summary([made(1.4), flown]).splitlines()
+    assert line == "| made | a gain | 1.3 to 1.5 | 1.4 | reproduced | 2.5: exceeded |"
 
 
 def test_the_table_is_aligned_and_says_all():
