@@ -9,7 +9,7 @@ from sim.claims.verdict import above
 CASES = [(flight, condition) for flight in FLIGHTS for condition in CONDITIONS]
 TURNS = [(flight, condition) for flight, condition in CASES if flight != "near pass"]
 FLOWN_CASES = [(JSBSIM, condition) for condition in CONDITIONS]
-PARTS = {"turn": "turn", "straight": "straight", "all": "whole flight"}
+PARTS = {"turn": "turn", "before": "straight before", "behind": "straight behind", "all": "whole flight"}
 ORDER = above(1.0)
 OURS = "ours"
 MOST = 800  # runs; the filters take a millisecond and a half for every scan
@@ -159,7 +159,7 @@ CLAIMS: tuple[Claim, ...] = (
         tuple(
             Reading(f"{text}, {PARTS[part]}", gained_still("base turn", bias, part))
             for text, bias in BIASED.items()
-            for part in ("turn", "straight")
+            for part in ("turn", "before", "behind")
         ),
         "times",
         truth="kinematic",

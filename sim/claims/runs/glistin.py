@@ -164,7 +164,6 @@ def ratio(data: Case, part: str, plain: Any, aided: Any) -> Interval:
     scans = np.arange(len(rest))
     among = {
         "turn": data.turning,
-        "straight": rest,
         "before": rest & (scans < turn[0]),
         "behind": rest & (scans > turn[-1]),
         "all": data.turning | rest,
