@@ -14,7 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import bisect
 
-from autopilot.describing_functions import SAMPLES, harmonics, limited_wave, limits_describing_function
+from autopilot.describing_functions import (
+    SAMPLES,
+    harmonics,
+    limited_wave,
+    limits_describing_function,
+    saturation_describing_function,
+)
 from autopilot.design import law_of_frequency
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import (
@@ -29,7 +35,7 @@ from autopilot.route_loop import (
     response,
 )
 
-AMPLITUDES = np.geomspace(0.01, 30.0, 160)  # of what the law asks for, over the bank limit
+AMPLITUDES = np.geomspace(0.01, 300.0, 200)  # of what the law asks for, over the bank limit
 FREQUENCIES = 240
 LOWEST, HIGHEST = 0.004, 3.0  # of the bandwidth of the bank loop
 HARMONICS = 12  # odd ones, of which a wave is put together
@@ -69,8 +75,8 @@ def limit_cycles(limited: LimitedLoop, law: LateralNavigation) -> tuple[LimitCyc
     """All limit cycles of a law, by rising demand.
 
     For each amplitude the oscillation has the frequency at which the loop with its limits turns the phase round; where
-    its gain there passes through one is a limit cycle, which is stable if the gain falls as the amplitude grows. The
-    law's own limits of deviation and rate are taken as out of reach.
+    its gain there passes through one is a limit cycle, which is stable if the gain falls as the amplitude grows. Slow
+    cycles swing so far that the law's own limits of deviation and rate act too, each by its own gain.
     """
     balances, _ = _balances(limited, law)
     return tuple(_described(limited, *balance) for balance in balances)
@@ -86,7 +92,13 @@ class Balance(NamedTuple):
 
 def _balances(limited: LimitedLoop, law: LateralNavigation) -> tuple[list[Balance], bool]:
     """Balances by rising demand, between the points of the grid, and whether the smallest oscillation grows."""
-    asked = -(law.k1 * limited.response[CROSS_TRACK] + law.k2 * limited.response[CROSS_TRACK_RATE])
+    moved = np.abs(limited.gain) * AMPLITUDES[:, None] * limited.bank_limit  # amplitude of the limited command
+    asked = np.zeros(limited.gain.shape, complex)
+    for factor, limit, seen in (
+        (law.k1, law.cross_track_limit, limited.response[CROSS_TRACK]),
+        (law.k2, law.cross_track_rate_limit, limited.response[CROSS_TRACK_RATE]),
+    ):
+        asked -= factor * saturation_describing_function(moved * np.abs(seen), limit) * seen
     frequency, gain = _turned(limited.frequency, limited.gain * asked)
     found = []
     for i in range(len(gain) - 1):
