@@ -75,7 +75,7 @@ CLAIMS: tuple[Claim, ...] = (
         "times",
         paper_runs=50,
         first_runs=200,
-        note="The gain is there after three scans: it rises above the steady one within half a second and settles.",
+        note="Over its largest: added when the gain was seen to rise above the steady one within half a second, then settle.",
     ),
     Claim(
         "steady_state_jsbsim",
