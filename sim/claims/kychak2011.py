@@ -75,7 +75,7 @@ CLAIMS: tuple[Claim, ...] = (
         "times",
         paper_runs=50,
         first_runs=200,
-        note="Over its largest: added when the gain was seen to rise above the steady one within half a second, then settle.",
+        note="The last reading was added when the gain was seen to rise above the steady one within half a second.",
     ),
     Claim(
         "steady_state_jsbsim",
