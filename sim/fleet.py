@@ -1,7 +1,7 @@
 """The fleet: every aircraft of JSBSim through the one recipe, each in a worker process that it may take with it.
 
 ``python -m sim.fleet`` writes two tables that travel with the package: what stock models say of their own speeds
-(``aircraft/models/stock.toml``) and how each of them flew (``sim/fleet.toml``). With names it flies these and prints.
+(``aircraft/models/stock.toml``) and how each of them flew (``sim/fleet.toml``); with names it renews their rows.
 """
 
 from __future__ import annotations
@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 import sys
 import time
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from aircraft.errors import FlightError, ModelError, TrimError
 from sim import toml
-from sim.errors import ScenarioError
+from sim.errors import ScenarioError, did_you_mean
 from sim.executors import LocalExecutor, Lost
 
 TABLE = Path(__file__).parent / "fleet.toml"
@@ -193,22 +194,26 @@ def answers(
         executor.close()
 
 
-def write(workers: int = 1) -> None:
-    """Measure all stock aircraft and write both tables."""
-    from aircraft.model_files import available
+def write(models: Sequence[str], workers: int = 1) -> None:
+    """Measure stock aircraft and write both tables; rows of others stay, as long as the versions are the same."""
     from aircraft.slowest import STOCK_TABLE
     from sim.doctor import versions
 
-    models = [name for name, origin in available().items() if origin.startswith("stock")]
     under = {"versions": {key: versions()[key] for key in ("shortfinal", "jsbsim")}}
-    facts: dict[str, Any] = {}
-    for name, told in _shown(answers(described, models, workers), len(models)):
-        facts[name] = told
+    facts = dict(_shown(answers(described, models, workers), len(models)))
     known = {name: {"flap_settings": facts[name]["flap_settings"]} for name in models if "flap_settings" in facts[name]}
-    STOCK_TABLE.write_text(HEAD + toml.dumps(under | known))
+    others = {name: row for name, row in _kept(STOCK_TABLE, under).items() if name not in facts}
+    STOCK_TABLE.write_text(HEAD + toml.dumps(under | dict(sorted((others | known).items()))))
     results = dict(_shown(answers(flown, list(known), workers), len(known)))
     rows = {name: _row(facts[name], results.get(name, {})) for name in models}
-    TABLE.write_text(HEAD + toml.dumps(under | {"aircraft": rows}))
+    others = _kept(TABLE, under).get("aircraft", {})
+    TABLE.write_text(HEAD + toml.dumps(under | {"aircraft": dict(sorted((others | rows).items()))}))
+
+
+def _kept(path: Path, under: dict[str, Any]) -> dict[str, Any]:
+    """What a table holds, without its versions; nothing where they are others."""
+    table = tomllib.loads(path.read_text()) if path.is_file() else {}
+    return table if table.pop("versions", None) == under["versions"] else {}
 
 
 def _row(facts: dict[str, Any], result: dict[str, Any]) -> dict[str, Any]:
@@ -226,12 +231,14 @@ def _shown(found: Iterator[tuple[str, dict[str, Any]]], total: int) -> Iterator[
 
 
 def main(names: Sequence[str]) -> None:
-    """Without names all stock aircraft into the tables; with names these, printed."""
-    if not names:
-        write()
-        return
-    for name, told in answers(flown, names):
-        print(toml.dumps({name: told}))
+    """Measure the named stock aircraft, or all, into the tables."""
+    from aircraft.model_files import available
+
+    stock = [name for name, origin in available().items() if origin.startswith("stock")]
+    unknown = [name for name in names if name not in stock]
+    if unknown:
+        raise SystemExit(f"no stock aircraft '{unknown[0]}'; {did_you_mean(unknown[0], stock)}")
+    write(names or stock)
 
 
 if __name__ == "__main__":
