@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import pytest
-
 from tests.hostile.watched import Sandbox
 
-EXAMPLES = 150  # the acceptance has two thousand
+EXAMPLES = 100  # the acceptance has two thousand
 
 
-@pytest.fixture(scope="module")
-def sandbox(tmp_path_factory):
-    return Sandbox(tmp_path_factory.mktemp("mutated"))
-
-
-def test_every_bent_scenario_is_answered_and_reaches_nothing(sandbox):
+def test_every_bent_scenario_is_answered_and_reaches_nothing(tmp_path):
+    sandbox = Sandbox(tmp_path)
     before = sandbox.files()
     answered = sandbox.mutations(EXAMPLES, every=100, time_limit=300.0)
     assert len(answered) == EXAMPLES
