@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -129,6 +130,8 @@ def run(
     name = scenario.autopilot.navigation
     followed = tracks[name].track if name in tracks else None
     each[0]["navigated"] = navigated(prepared, first, followed, tracker_metrics.get(name, {}))
+    if each[0]["navigated"] is not None:
+        each[0]["navigated"]["on_truth"] = _on_truth(prepared)
     metrics = {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -142,6 +145,13 @@ def run(
     }
     metrics["checks"] = judge(scenario.checks, first, scenario.runway, {**each[0], "trackers": tracker_metrics})
     return Result(prepared, flown, records, tracks, metrics, timing)
+
+
+def _on_truth(prepared: Prepared) -> dict[str, Any]:
+    """Figures of flight 0 as it goes when the autopilot sees the truth."""
+    autopilot = dataclasses.replace(prepared.scenario.autopilot, navigation="truth")
+    twin = dataclasses.replace(prepared, scenario=dataclasses.replace(prepared.scenario, autopilot=autopilot))
+    return flight_metrics(fly(twin), prepared.scenario.runway, prepared.law.bank_limit)
 
 
 def run_to_folder(

@@ -19,6 +19,11 @@ from sim.preparation import Prepared
 from tracking.track import Track
 
 GOOD = ("landed", "completed")
+BESIDE = (
+    *("outcome", "cross_track_at_decision_height_m", "height_error_at_decision_height_m"),
+    *("normal_acceleration_rms_final_mps2", "bank_rate_rms_final_degps"),
+    *("touchdown.past_threshold_m", "touchdown.cross_track_m", "touchdown.sink_mps"),
+)
 SWINGING = 0.1  # of the time at the bank limit, at least, is a cycle and no correction
 
 
@@ -45,6 +50,17 @@ def navigated(prepared: Prepared, flight: Flight, track: Track | None, judged: d
     if hasattr(law, "k1"):
         found["rate_lag_stood_s"] = standing_lag(law.k1, law.k2, bank_lag(prepared.designed))
     return {**found, "why": _why(flight, found, _place(flight, prepared, found, across, track))}
+
+
+def beside(figures: dict[str, Any]) -> list[tuple[str, Any, Any]]:
+    """(figure, on the estimate, on the truth) of a navigated flight whose twin was flown on the truth."""
+    twin = (figures.get("navigated") or {}).get("on_truth")
+    return [(name, _figure(figures, name), _figure(twin, name)) for name in BESIDE] if twin else []
+
+
+def _figure(figures: dict[str, Any], name: str) -> Any:
+    table, _, own = name.rpartition(".")
+    return (figures.get(table) or {} if table else figures).get(own)
 
 
 def _why(flight: Flight, found: dict[str, Any], sentence: str) -> str | None:

@@ -6,6 +6,7 @@ from typing import Any
 
 from sim.check_words import broken
 from sim.conformance import told_in_words
+from sim.navigated import beside
 
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
 
@@ -30,6 +31,10 @@ def summary(metrics: dict[str, Any]) -> str:
     if rows:
         header = ("tracker", "channel", "rmse", "raw", "gain")
         lines += ["", *table([header, *([*row[:2], *map(_number, row[2:])] for row in rows)], 2)]
+    twin = beside(flight)
+    if twin:
+        header = ("beside the same approach", "on the estimate", "on the truth")
+        lines += ["", *table([header, *([name, *map(_number, values)] for name, *values in twin)], 1)]
     alerts = {name: tracker.get("conformance") for name, tracker in metrics["trackers"].items()}
     if any(alerts.values()):
         lines += ["", *(told_in_words(name, found) for name, found in alerts.items() if found)]
@@ -53,7 +58,9 @@ def _verdict(check: dict[str, Any]) -> str:
     return "passed" if check["passed"] else "FAILED"
 
 
-def _number(value: float | None) -> str:
+def _number(value: float | str | None) -> str:
+    if isinstance(value, str):
+        return value
     return "-" if value is None else f"{value:.4g}"
 
 

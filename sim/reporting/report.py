@@ -22,7 +22,16 @@ from sim.reporting.phase_portrait import phase_portrait
 from sim.reporting.plan_view import plan_view
 from sim.reporting.quantities import number, words
 from sim.reporting.replay import replay
-from sim.reporting.rows import check_row, event_rows, halves, last_state, law_rows, scalar_rows, spread_rows
+from sim.reporting.rows import (
+    beside_rows,
+    check_row,
+    event_rows,
+    halves,
+    last_state,
+    law_rows,
+    scalar_rows,
+    spread_rows,
+)
 from sim.reporting.sentence import first_clause
 from sim.reporting.sources import FLIGHT_DYNAMICS, aircraft_sources, sources, what_ran
 from sim.reporting.style import Chart
@@ -79,7 +88,8 @@ def write(
         outcome=words(metrics["flight"]["outcome"]),
         reason=first_clause(flight.reason),
         last_state=last_state(flight),
-        flight_rows=halves(scalar_rows(metrics["flight"])),
+        flight_rows=halves(scalar_rows({k: v for k, v in metrics["flight"].items() if k != "navigated"})),
+        beside=beside_rows(metrics["flight"]),
         spread=spread_rows(metrics.get("flights_summary", {})),
         trackers=tracker_tables(trackers) if trackers else [],
         tracker_charts=tracker_figures,

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.flight import Flight
+from sim.navigated import beside
 from sim.parameters import dump
 from sim.reporting.quantities import ABSENT, decimals, number, split, unit, words
 from sim.reporting.sentence import first_clause
@@ -97,6 +98,16 @@ def scalar_rows(figures: dict[str, Any], prefix: str = "") -> list[tuple[str, st
         elif not isinstance(value, str) and key != "landed":  # the outcome says it
             name, suffix = split(key)
             rows.append((prefix + name, number(value), suffix if value is not None else ""))
+    return rows
+
+
+def beside_rows(figures: dict[str, Any]) -> list[tuple[str, str, str, str]]:
+    """(figure, on the estimate, on the truth, unit) of a flight that a tracker navigated; empty for others."""
+    rows = []
+    for key, flown, truth in beside(figures):
+        name, suffix = split(key)
+        shown = [words(it) if isinstance(it, str) else number(it) for it in (flown, truth)]
+        rows.append((name, *shown, suffix))
     return rows
 
 
