@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import math
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,13 +13,16 @@ import pytest
 import sim
 from autopilot.route_loop import linear_onset
 from sim import study_theory
+from sim.axes import cells
 from sim.bisection import border
 from sim.errors import ScenarioError
 from sim.explanation import explain
 from sim.oscillation import oscillation
 from sim.preparation import prepare
+from sim.reporting.study_page import page
 from sim.route_loops import scenario_loop
 from sim.scenario import read
+from sim.study_metrics import study_metrics
 
 LINE = {
     "name": "line",
@@ -132,3 +137,30 @@ def test_explain_tells_of_the_cycle():
     assert "limit cycle by theory: caught from" in text
     assert "gain margin" in text
     assert "every oscillation fades" in explain(read("limit_cycle", {"autopilot.frequency_share": 0.06}))
+
+
+def test_the_page_of_the_gain_map_has_theory_beside_every_flight():
+    """Made flights: what is looked at is the page, its lines of theory and its columns."""
+    axes = {"autopilot.frequency_share": [0.1, 0.3, 0.45], "autopilot.bank_limit_deg": [4.0, 8.0]}
+    scenario = read("gain_map", {"study": {"theory": "gain", "axes": axes, "show": ["bank_cycle_deg"]}})
+    records = [
+        {
+            "cell": i,
+            "sample": 0,
+            "flight": 0,
+            "values": values,
+            "metrics": {"outcome": "completed", "bank_cycle_deg": 50.0 * values["autopilot.frequency_share"]},
+            "checks": [],
+        }
+        for i, values in enumerate(cells(scenario.study.varied))
+    ]
+    metrics = {"scenario": "gain_map", "seed": 1, "flights": 6, "versions": {}}
+    metrics |= study_metrics(scenario.study.varied, records, (), ())
+    text = page(scenario, metrics, records)
+    for told in ("bank_cycle_deg by theory", "bank_cycle_period_s by theory", "theory and flights"):
+        assert told in text
+    drawn = [base64.b64decode(image).decode() for image in re.findall(r"base64,([A-Za-z0-9+/=]+)", text)]
+    assert any("theory: linear margin" in image and "describing functions, from 300 m" in image for image in drawn)
+    columns = study_theory.predicted_figures(scenario, metrics["rows"])
+    assert columns["bank_cycle_deg"][:2] == [None, None]  # no cycle at a tenth of the bandwidth
+    assert columns["bank_cycle_deg"][-1] == pytest.approx(8.0, rel=0.2)
