@@ -4,7 +4,7 @@ BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help demo test lint acceptance tutorials uses bench soak clean
+.PHONY: help demo test lint acceptance tutorials uses bench soak fleet clean
 
 help:
 	@echo "make demo        fly the bundled An-26 approach and write its report"
@@ -12,6 +12,7 @@ help:
 	@echo "make acceptance  measure every required figure at full size"
 	@echo "make tutorials   run the tutorials and renew what they print and draw"
 	@echo "make uses        run what the README shows and renew its transcripts and figures"
+	@echo "make fleet       fly every stock aircraft of JSBSim and renew the table of list --aircraft"
 	@echo "make bench       measure speed, as ratios within one run"
 	@echo "make soak        kill workers and parents of studies and compare what is left"
 
@@ -41,6 +42,9 @@ tutorials: .venv/ready
 
 uses: .venv/ready
 	$(BIN)/python tests/docs/uses.py
+
+fleet: .venv/ready
+	$(BIN)/python -m sim.fleet
 
 bench: .venv/ready
 	$(BIN)/python tests/benchmarks/run.py

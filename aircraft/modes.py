@@ -71,7 +71,7 @@ def modes(linear: LinearModel) -> Modes:
 def _pairs(block: np.ndarray, wanted: int) -> list[complex]:
     pairs = sorted((complex(root) for root in np.linalg.eigvals(block) if root.imag > 0.0), key=abs)
     if len(pairs) != wanted:
-        raise ValueError(f"the aircraft has {len(pairs)} oscillations where {wanted} are expected")
+        raise ValueError(f"a block of four states with {len(pairs)} oscillations, where {wanted} are usual")
     return pairs
 
 

@@ -89,7 +89,7 @@ def _notes(name: str, row: dict[str, Any]) -> list[str]:
         if part and part["outcome"] != good:
             told.append(f"{key}: {part['reason']}")
     if "reason" in row.get("modes", {}):
-        told.append(row["modes"]["reason"])
+        told.append(f"modes: {row['modes']['reason']}")
     return [*told, *(f"repaired: {text}" for text in row.get("repairs", []))]
 
 
