@@ -22,10 +22,10 @@ from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 from sim.errors import OutputError
-from sim.executors import ATTEMPTS, TIME_LIMIT, Job, Lost
+from sim.executors import TIME_LIMIT, Job, Lost
 
 ANSWER = 5.0  # s; a scheduler that listens answers at once
-PATIENCE = 30.0  # s without any worker; one that was killed is back by then, where somebody restarts it
+PATIENCE = 60.0  # s without any worker; one that was killed is back by then, where somebody restarts it
 TLS_KEYS = ("ca-file", "client.cert", "client.key")  # of distributed.comm.tls in Dask's configuration
 FLYING = threading.Lock()  # of a worker process: flights share it with no other flight
 
@@ -55,20 +55,19 @@ class ClusterExecutor:
 
     def finished(self) -> Iterator[tuple[int, Any]]:
         """Results as they end."""
-        worked = time.monotonic()
+        absent = None
         while self._waiting or self._running:
             with self._told():
                 threads = sum(self.client.nthreads().values())
-            worked = time.monotonic() if threads else worked
-            if time.monotonic() - worked > PATIENCE:
+            absent = None if threads else absent or time.monotonic()
+            if absent is not None and time.monotonic() - absent > PATIENCE:
                 raise OutputError(f"cluster {self.address}: has no worker left; finished flights are kept")
             while self._waiting and len(self._running) < threads:
                 self._start(self._waiting.popleft())
             for future in self._ended():
                 job, _ = self._running.pop(future)
-                result = self._result(job, future)
-                if result is not None:
-                    yield job.number, result
+                absent = None
+                yield job.number, self._result(future)
             yield from self._overdue()
 
     def close(self) -> None:
@@ -97,8 +96,8 @@ class ClusterExecutor:
             except TimeoutError:
                 return []
 
-    def _result(self, job: Job, future: Any) -> Any:
-        """The result of a job, None where it is tried again."""
+    def _result(self, future: Any) -> Any:
+        """The result of a job, or ``Lost``."""
         from distributed.scheduler import KilledWorker
 
         with self._told():
@@ -106,12 +105,8 @@ class ClusterExecutor:
             result = future.result() if error is None else None
         if isinstance(result, Refused):
             raise OutputError(f"cluster {self.address}: {result.reason}; finished flights are kept")
-        if isinstance(error, KilledWorker):
-            job = job._replace(aborts=job.aborts + 1)  # as often as the scheduler itself tries
-            if job.aborts == ATTEMPTS:
-                return Lost(f"its worker process died {ATTEMPTS * (error.allowed_failures + 1)} times")
-            self._waiting.appendleft(job)
-            return None
+        if isinstance(error, KilledWorker):  # the scheduler has tried it again as often as it is told to
+            return Lost(f"its worker process died {error.allowed_failures + 1} times")
         if isinstance(error, MemoryError):
             return Lost("out of memory")
         return result if error is None else Lost(f"{type(error).__name__}: {error}")
