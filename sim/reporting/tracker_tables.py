@@ -75,10 +75,11 @@ def _consistency(trackers: dict[str, dict[str, Any]]) -> Table:
             interval[i],
             number(_real(t.get("anis")), 2),
             _percent(t.get("lost_fraction")),
+            number(_real(t.get("lost_time_s")), 0),
         ]
         for i, (who, t) in enumerate(trackers.items())
     ]
-    header = ["tracker", "kind", "ANEES", "interval", "ANIS", "lost, %"]
+    header = ["tracker", "kind", "ANEES", "interval", "ANIS", "lost, %", "first lost at, s"]
     return Table(
         "Consistency: 1 where errors are as large as the tracker says, above 1 where it is too sure of itself",
         header,
