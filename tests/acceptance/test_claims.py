@@ -34,24 +34,6 @@ def ledger(seed):
     return rows, time.process_time() - began
 
 
-def test_no_verdict_hangs_on_the_seed(row):
-    verdicts = {seed: {key: one.verdict for key, one in ledger(seed)[0].items()} for seed in SEEDS}
-    first = verdicts[SEEDS[0]]
-    changed = sorted(
-        f"{paper} {claim}" for (paper, claim) in first if len({verdicts[seed][paper, claim] for seed in SEEDS}) > 1
-    )
-    judged = sum(verdict is not None for verdict in first.values())
-    told = f"{len(changed)} of {judged}" + (f": {', '.join(changed)}" if changed else "")
-    row(f"claims: verdicts that differ between the seeds {', '.join(map(str, SEEDS))}", "0", told, not changed)
-    assert not changed
-
-
-def test_time(row):
-    full = [ledger(seed)[1] for seed in SEEDS]
-    told = ", ".join(f"{seconds:.0f}" for seconds in full)
-    row("claims: full size, s of CPU, three seeds", f"<= {FULL:.0f}", told, max(full) <= FULL)
-
-
 def test_time_of_the_quick_form(row):
     """In a process of its own, with all that it imports and flies."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -155,3 +137,21 @@ def test_no_neighbouring_parameters_are_better(row, kind):
     met = found == glistin_tuning.TUNED[flight, condition][kind]
     row(f"claims: tuned parameters of {kind}, {flight}, {condition}, are the ones in use", "yes", str(met), met)
     assert met
+
+
+def test_no_verdict_hangs_on_the_seed(row):
+    verdicts = {seed: {key: one.verdict for key, one in ledger(seed)[0].items()} for seed in SEEDS}
+    first = verdicts[SEEDS[0]]
+    changed = sorted(
+        f"{paper} {claim}" for (paper, claim) in first if len({verdicts[seed][paper, claim] for seed in SEEDS}) > 1
+    )
+    judged = sum(verdict is not None for verdict in first.values())
+    told = f"{len(changed)} of {judged}" + (f": {', '.join(changed)}" if changed else "")
+    row(f"claims: verdicts that differ between the seeds {', '.join(map(str, SEEDS))}", "0", told, not changed)
+    assert not changed
+
+
+def test_time(row):
+    full = [ledger(seed)[1] for seed in SEEDS]
+    told = ", ".join(f"{seconds:.0f}" for seconds in full)
+    row("claims: full size, s of CPU, three seeds", f"<= {FULL:.0f}", told, max(full) <= FULL)
