@@ -225,20 +225,20 @@ def summary(rmse, **more):
 def test_trackers_stand_side_by_side_with_interval_gain_and_phases():
     phase = {"final": {"position_m": {"rmse": 145.1}}}
     tables = tracker_tables(
-        {"one": summary(80.0, by_phase=phase, anees=1.02, lost_fraction=0.0123), "two": summary(8.0)}
+        {"one": summary(80.0, by_phase=phase, anees=1.02, lost_fraction=0.0123, lost_time_s=14.3), "two": summary(8.0)}
     )
     position, consistency = tables
     assert position.header == ["tracker", "law from", "RMSE", "interval", "raw", "gain", "final"]
     assert position.rows[0] == ["one", "–", "80.00", "79.00 … 81.00", "100.0", "1.25 ×", "145.1"]
     assert position.rows[1] == ["two", "–", "8.00", "7.00 … 9.00", "100.0", "12.50 ×", "–"]
-    assert consistency.rows[0] == ["one", "kalman", "1.02", "–", "–", "1.2"]
-    assert consistency.rows[1][2:] == ["–", "–", "–", "–"]
+    assert consistency.rows[0] == ["one", "kalman", "1.02", "–", "–", "1.2", "14"]
+    assert consistency.rows[1][2:] == ["–"] * 5
 
 
 def test_a_tracker_that_saw_nothing_is_still_listed():
     silent = {"kind": "kalman", "law_from": None, "overall": {}, "by_phase": {}}
     (consistency,) = tracker_tables({"silent": silent})
-    assert consistency.rows == [["silent", "kalman", "–", "–", "–", "–"]]
+    assert consistency.rows == [["silent", "kalman", *["–"] * 5]]
 
 
 def test_the_look_ahead_has_a_column_for_each_span():
