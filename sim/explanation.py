@@ -13,6 +13,7 @@ from autopilot.limit_cycles import caught, least_offset, limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
 from sim import windshear
+from sim.departures import in_words
 from sim.preparation import TIME_LIMIT, Prepared, prepare
 from sim.quarantine import apart
 from sim.route_loops import has_route_loop, scenario_loop
@@ -29,6 +30,10 @@ def explain(scenario: Scenario) -> str:
         parts.append(apart(scenario, TIME_LIMIT, _aircraft, prepared))
         parts += windshear.outlook(prepared)
     parts.append(_law(prepared))
+    if scenario.departures:
+        rows = [("the law is left at s", "what no tracker is told")]
+        rows += [(f"{one.at:.0f}", in_words(one)) for one in sorted(scenario.departures, key=lambda one: one.at)]
+        parts.append("\n".join(table(rows, 2)))
     if scenario.sensors:
         rows = [("sensor", "measures", "every s")]
         rows += [(name, ", ".join(s.channels), f"{s.period:.3g}") for name, s in scenario.sensors.items()]

@@ -11,6 +11,7 @@ import pytest
 import sim
 from sim.conformance import CONFORMANCE, ConformanceTest, figures, told_in_words
 from sim.errors import ScenarioError
+from sim.explanation import explain
 from sim.preparation import prepare
 from sim.scenario import read
 from sim.tracker_setup import build
@@ -162,6 +163,13 @@ def test_an_offset_is_noticed():
     _, found = told("an26_departure", [{"at_s": 60.0, "flies": "offset", "offset_m": 300.0}], until_s=150.0)
     assert found["detected_fraction"] == 1.0
     assert found["delay_s"]["p50"] <= 40.0
+
+
+def test_explain_tells_what_trackers_are_not_told():
+    told_so = explain(read("an26_departure", POINT_MASS))
+    assert "60                    flown by hand, 10 deg to the left" in told_so
+    assert "70                    flown by hand, wings level" in told_so
+    assert "110                   the route law flies" in told_so
 
 
 @pytest.mark.parametrize(
