@@ -178,6 +178,7 @@ def test_a_flight_comes_back_as_it_was_left(tmp_path):
     np.testing.assert_array_equal(flight.leg, again.leg)
     np.testing.assert_array_equal(flight.phase, again.phase)
     rest = ("route", "phases", "events", "outcome", "reason")
+    assert set(vars(flight)) == {"state", "command", "leg", "phase", *rest}  # whatever a flight has is looked at
     assert [getattr(flight, name) for name in rest] == [getattr(again, name) for name in rest]
 
 
