@@ -76,7 +76,8 @@ def limit_cycles(limited: LimitedLoop, law: LateralNavigation) -> tuple[LimitCyc
 
     For each amplitude the oscillation has the frequency at which the loop with its limits turns the phase round; where
     its gain there passes through one is a limit cycle, which is stable if the gain falls as the amplitude grows. Slow
-    cycles swing so far that the law's own limits of deviation and rate act too, each by its own gain.
+    cycles swing so far that the law's own limits of deviation and rate act too, each by its own gain; such a swing is
+    far from a sine, and its period comes out much too short (40 s where 55 to 80 s are flown), its bank does not.
     """
     balances, _ = _balances(limited, law)
     return tuple(_described(limited, *balance) for balance in balances)
