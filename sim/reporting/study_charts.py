@@ -96,7 +96,8 @@ def label(name: str) -> str:
     above, slash, below = name.partition(" / ")
     if slash:
         return f"{label(above)} / {label(below)}"
-    text, unit = split(name.removeprefix("trackers.").removeprefix("wind.events.").replace(".overall.", " ").replace(".", " "))
+    own = name.removeprefix("trackers.").removeprefix("wind.events.")
+    text, unit = split(own.replace(".overall.", " ").replace(".", " "))
     return f"{text}, {unit}" if unit else text
 
 
