@@ -9,6 +9,7 @@ from typing import Annotated
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.stabilised_gate import StabilisedGate
 
+FLOATING = 0.25  # of the touchdown sink, at which the path goes on below the runway
 POSITIVE = (
     *("approach_speed", "glide_path", "capture_load_factor", "capture_cross_track", "flare_time", "touchdown_sink"),
     *("flare_deceleration", "align_height", "align_time", "sideslip_limit", "climb_angle", "regained_height"),
@@ -71,8 +72,8 @@ class Landing:
         return wheels < self.flare_time * (sink - self.touchdown_sink)
 
     def flare_sink(self, wheels: float) -> float:
-        """Sink, m/s, of the flare: it decays with the height of the wheels to ``touchdown_sink`` and stays there.
+        """Sink, m/s, of the flare: it decays with the height of the wheels, at the runway to ``touchdown_sink``.
 
-        So the path goes on below the runway for an aircraft that floats above it in ground effect.
+        Below the runway it never ends, for an aircraft that floats above it in ground effect.
         """
-        return max(wheels, 0.0) / self.flare_time + self.touchdown_sink
+        return max(wheels / self.flare_time + self.touchdown_sink, FLOATING * self.touchdown_sink)
