@@ -27,6 +27,7 @@ FROM_HERE = (FLARE, GO_AROUND)  # phases whose path begins where the aircraft is
 ESTABLISHED_TRACK = math.radians(5.0)  # a turn or an intercept is over within this of the course
 ESTABLISHED_CROSS_TRACK = 100.0  # m
 SPEED_SETTLING = 4.0  # s, by which a new speed is ordered earlier than its ramp needs
+LEAST_AIRSPEED = 5.0  # m/s, of the command after a landing; a flying boat floats until then
 CLIMB_AWAY = 2.0  # regained heights: how far at least a go-around climbs
 SETTLED = 1e-3  # m and m/s: a change of height is over
 
@@ -250,7 +251,7 @@ class Approach:
                 flaps, gear, wanted = landing.flaps, 1.0, landing.approach_speed
                 deceleration = self.glide_deceleration
             if phase in (FLARE, GROUND):
-                wanted, deceleration = 0.0, landing.flare_deceleration
+                wanted, deceleration = LEAST_AIRSPEED, landing.flare_deceleration
             if phase == GROUND:
                 airspeed = min(airspeed, flown)  # what the wheels brake is not to be flown back by pitching up
         return rate_limit(airspeed, wanted, deceleration, dt), flaps, gear

@@ -113,7 +113,8 @@ def flown(model: str) -> dict[str, Any]:
 
     try:
         airframe, known = load(model), complete(model)
-        manoeuvre, approach = (round(speed, 1) for speed in speeds(known.flap_settings))
+        manoeuvre, approach = speeds(known.flap_settings)
+        manoeuvre, approach = max(round(manoeuvre, 1), math.ceil(10.0 * approach) / 10.0), round(approach, 1)
     except (ModelError, FlightError, TrimError) as error:
         return {"reason": _reason(error)}
     told: dict[str, Any] = {
