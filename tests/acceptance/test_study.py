@@ -145,7 +145,7 @@ def test_flights_that_cells_share(row, tmp_path):
 
 def test_plugin(row):
     """The foreign project of tests/sim/test_plugin.py, with nothing of ours but the wheel."""
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/sim/test_plugin.py"]
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "tests/sim/test_plugin.py"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     told = done.stdout.strip().splitlines()[-1]
     asked = "collected; passing and failing checks shown; a broken file is one collection error with file and key"
