@@ -57,6 +57,18 @@ class ArrayDeviation:
             return self.track_error
         return np.mod(self._off_course + np.pi, 2 * np.pi) - np.pi
 
+    def of_last(self, batch: int) -> ArrayDeviation:
+        """That of the last hypothesis, of an axis before ``batch`` axes of runs; its angles are worked out alone."""
+        last = (..., slice(-1, None), *(slice(None),) * batch)
+        off_course = None if self._off_course is None else self._off_course[last]
+        return ArrayDeviation(
+            self.cross_track[last],
+            self.cross_track_rate[last],
+            self.distance_to_go[last],
+            self._along_rate[last],
+            off_course,
+        )
+
 
 class Turn(NamedTuple):
     """The turn from one leg to the next at constant airspeed and bank."""

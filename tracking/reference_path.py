@@ -105,6 +105,11 @@ class LineDeviation(NamedTuple):
         """The same: the line knows no wind."""
         return self.track_error
 
+    def of_last(self, batch: int) -> LineDeviation:
+        """That of the last hypothesis, of an axis before ``batch`` axes of runs."""
+        last = (..., slice(-1, None), *(slice(None),) * batch)
+        return self._replace(cross_track=self.cross_track[last], cross_track_rate=self.cross_track_rate[last])
+
 
 @dataclass(frozen=True)
 class Line:

@@ -29,7 +29,7 @@ class Bank(NamedTuple):
 
     told: Law
     other: Law
-    last: Any  # (hypotheses, *1) bool
+    batch: int  # axes of runs behind that of the hypotheses
 
     @property
     def bank_limit(self) -> Any:
@@ -38,7 +38,9 @@ class Bank(NamedTuple):
 
     def __call__(self, deviation: Any) -> Any:
         """Bank, rad, of every hypothesis."""
-        return np.where(self.last, self.other(deviation), self.told(deviation))
+        banks = self.told(deviation)
+        banks[(..., slice(-1, None), *(slice(None),) * self.batch)] = self.other(deviation.of_last(self.batch))
+        return banks
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,7 @@ class IntentImm:
         laws: Law = replace(self.law, **limits)
         if self.other_law is None:
             return laws
-        return Bank(laws, self.other_law, lift(np.arange(self._laws) == self._laws - 1, 1, batch))
+        return Bank(laws, self.other_law, batch)
 
     def begin(self, prior: Gaussian) -> Intent:
         runs, count = prior.mean.shape[1:], len(self.modes)
