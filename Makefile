@@ -34,8 +34,7 @@ lint: .venv/ready
 	$(BIN)/mypy
 
 acceptance: .venv/ready
-	rm -f docs/acceptance.md
-	$(BIN)/python -m pytest -m acceptance -s tests/acceptance
+	ANEW=1 $(BIN)/python -m pytest -m acceptance -s tests/acceptance
 
 tutorials: .venv/ready
 	$(BIN)/python tests/docs/tutorials.py
