@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 from sim.claims.verdict import Printed, verdict
@@ -38,6 +38,11 @@ class Claim:
     most_runs: int = MOST_RUNS  # fewer where a run is long and the verdict is settled by them
     overlooked: bool = False  # the paper does not say it: measured, not judged
     note: str = ""
+
+
+def flown_too(claim: Claim, readings: tuple[Reading, ...], note: str, **changes: Any) -> tuple[Claim, Claim]:
+    """A claim, and the same where a six-degree-of-freedom aircraft flies: words, place and print are one."""
+    return claim, replace(claim, name=f"{claim.name}_jsbsim", readings=readings, truth="jsbsim", note=note, **changes)
 
 
 class Measured(NamedTuple):

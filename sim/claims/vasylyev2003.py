@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sim.claims.ledger import Claim, Reading, counted
+from sim.claims.ledger import Claim, Reading, counted, flown_too
 from sim.claims.runs.vasylyev2003 import (
     DELAYS,
     DENSITY,
@@ -36,111 +36,77 @@ OURS = "ours"
 GAINS = {"the gains of the model": GIVEN_GAINS, "gains of the aircraft": OWN_GAINS}
 FLOWN = "One JSBSim flight from 5 km beside the line; runs are draws of noise."
 CLAIMS: tuple[Claim, ...] = (
-    Claim(
-        "trajectories_differ",
-        "with limits the captured trajectory differs greatly from the unlimited one",
-        "fig. 3",
-        above(1.0),
-        tuple(
-            Reading(f"from {start:.0f} m", counted(lambda start=start: largest_differences()[start])) for start in FAR
+    *flown_too(
+        Claim(
+            "trajectories_differ",
+            "with limits the captured trajectory differs greatly from the unlimited one",
+            "fig. 3",
+            above(1.0),
+            tuple(
+                Reading(f"from {start:.0f} m", counted(lambda start=start: largest_differences()[start]))
+                for start in FAR
+            ),
+            "sigmas",
+            geometry_by=OURS,
         ),
-        "sigmas",
-        geometry_by=OURS,
-    ),
-    Claim(
-        "trajectories_differ_jsbsim",
-        "with limits the captured trajectory differs greatly from the unlimited one",
-        "fig. 3",
-        above(1.0),
         tuple(Reading(text, counted(lambda name=name: difference_flown(name))) for text, name in GAINS.items()),
-        "sigmas",
-        truth="jsbsim",
-        geometry_by=OURS,
-        note="Against the double integrator without limits: the bank that it asks for, 100 deg, no aircraft flies.",
+        "Against the double integrator without limits: the bank that it asks for, 100 deg, no aircraft flies.",
     ),
-    Claim(
-        "linear_feedback_degrades",
-        "the linear-feedback filter loses accuracy sharply once limits act",
-        "fig. 4",
-        above(1.0),
-        tuple(Reading(f"every {t:g} s, q {q:g} m2/s3", limits_over_none(t, q)) for t, q in NOISES),
-        "times",
-        geometry_by=OURS,
-    ),
-    Claim(
-        "linear_feedback_degrades_jsbsim",
-        "the linear-feedback filter loses accuracy sharply once limits act",
-        "fig. 4",
-        above(1.0),
+    *flown_too(
+        Claim(
+            "linear_feedback_degrades",
+            "the linear-feedback filter loses accuracy sharply once limits act",
+            "fig. 4",
+            above(1.0),
+            tuple(Reading(f"every {t:g} s, q {q:g} m2/s3", limits_over_none(t, q)) for t, q in NOISES),
+            "times",
+            geometry_by=OURS,
+        ),
         (Reading("from 5 km over from 500 m", outside_over_inside(GIVEN_GAINS)),),
-        "times",
-        truth="jsbsim",
-        geometry_by=OURS,
-        note=FLOWN,
+        FLOWN,
     ),
-    Claim(
-        "saturated_control_accurate",
-        "where limits act, the filter with the limited control formed outside stays accurate",
-        "fig. 4",
-        above(1.0),
-        tuple(Reading(f"every {t:g} s, q {q:g} m2/s3", linear_over_saturated(OUTSIDE, t, q)) for t, q in NOISES),
-        "times less RMSE",
-        geometry_by=OURS,
-    ),
-    Claim(
-        "saturated_control_accurate_jsbsim",
-        "where limits act, the filter with the limited control formed outside stays accurate",
-        "fig. 4",
-        above(1.0),
+    *flown_too(
+        Claim(
+            "saturated_control_accurate",
+            "where limits act, the filter with the limited control formed outside stays accurate",
+            "fig. 4",
+            above(1.0),
+            tuple(Reading(f"every {t:g} s, q {q:g} m2/s3", linear_over_saturated(OUTSIDE, t, q)) for t, q in NOISES),
+            "times less RMSE",
+            geometry_by=OURS,
+        ),
         tuple(Reading(text, linear_over_saturated_flown(OUTSIDE, name)) for text, name in GAINS.items()),
-        "times less RMSE",
-        truth="jsbsim",
-        geometry_by=OURS,
-        note=f"{FLOWN} Roll lag and the course motion cost saturated control next to nothing.",
+        f"{FLOWN} Roll lag and the course motion cost saturated control next to nothing.",
     ),
-    Claim(
-        "breaks_of_tracking",
-        "large deviations can break the tracking of the linear-feedback filter",
-        "introduction, conclusions",
-        above(0.0),
-        tuple(Reading(f"from {start:.0f} m", lost_more(start)) for start in FAR),
-        "of the runs",
-        geometry_by=OURS,
-    ),
-    Claim(
-        "breaks_of_tracking_jsbsim",
-        "large deviations can break the tracking of the linear-feedback filter",
-        "introduction, conclusions",
-        above(0.0),
+    *flown_too(
+        Claim(
+            "breaks_of_tracking",
+            "large deviations can break the tracking of the linear-feedback filter",
+            "introduction, conclusions",
+            above(0.0),
+            tuple(Reading(f"from {start:.0f} m", lost_more(start)) for start in FAR),
+            "of the runs",
+            geometry_by=OURS,
+        ),
         tuple(Reading(text, lost_more(OUTSIDE, name)) for text, name in GAINS.items()),
-        "of the runs",
-        truth="jsbsim",
-        geometry_by=OURS,
-        note=FLOWN,
+        FLOWN,
     ),
-    Claim(
-        "less_uncertain_prediction",
-        "knowing the law makes the predicted position less uncertain",
-        "introduction",
-        above(1.0),
-        tuple(Reading(f"{ahead:.0f} s ahead", better_ahead(ahead)) for ahead in (60.0, 20.0, 120.0)),
-        "times less RMSE",
-        geometry_by=OURS,
-    ),
-    Claim(
-        "less_uncertain_prediction_jsbsim",
-        "knowing the law makes the predicted position less uncertain",
-        "introduction",
-        above(1.0),
+    *flown_too(
+        Claim(
+            "less_uncertain_prediction",
+            "knowing the law makes the predicted position less uncertain",
+            "introduction",
+            above(1.0),
+            tuple(Reading(f"{ahead:.0f} s ahead", better_ahead(ahead)) for ahead in (60.0, 20.0, 120.0)),
+            "times less RMSE",
+            geometry_by=OURS,
+        ),
         tuple(
             Reading(f"{ahead:.0f} s ahead, {text}", better_ahead(ahead, name))
             for text, name in GAINS.items()
             for ahead in (60.0, 20.0, 120.0)
         ),
-        "times less RMSE",
-        truth="jsbsim",
-        geometry_by=OURS,
-        note=FLOWN,
+        FLOWN,
     ),
     Claim(
         "inside_the_limits",

@@ -130,9 +130,8 @@ def errors(tracker: LoadFactor, data: Case, aided: bool) -> Any:
 
 def built(kind: str, fields: dict[str, float]) -> LoadFactor:
     """A filter with some of its parameters."""
-    base = LoadFactor(MEASURED, 0.0)
-    named: Any = base if kind == "kinematic" else replace(base, azimuth_acceleration=kind)  # type: ignore[arg-type]
-    return replace(named, **fields)  # type: ignore[arg-type]
+    formula = {} if kind == "kinematic" else {"azimuth_acceleration": kind}
+    return LoadFactor(MEASURED, 0.0, **formula, **fields)
 
 
 @lru_cache(maxsize=64)
