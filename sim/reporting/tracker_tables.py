@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from sim.reporting.quantities import ABSENT, column, number, split, words
+from sim.reporting.quantities import ABSENT, column, decimals, number, split, words
 
 
 class Table(NamedTuple):
@@ -66,18 +66,17 @@ def _law(tracker: dict[str, Any]) -> str:
 
 def _consistency(trackers: dict[str, dict[str, Any]]) -> Table:
     """Whether the trackers know how good they are, and whether they kept the target."""
-    interval = [_interval({"low": t.get("anees_low"), "high": t.get("anees_high")}, "0.00") for t in trackers.values()]
     rows = [
         [
             who,
             words(str(t.get("kind", ""))),
-            number(_real(t.get("anees")), 2),
-            interval[i],
-            number(_real(t.get("anis")), 2),
+            (anees := _share(t.get("anees"))),
+            _interval({"low": t.get("anees_low"), "high": t.get("anees_high")}, anees),
+            _share(t.get("anis")),
             _percent(t.get("lost_fraction")),
             number(_real(t.get("lost_time_s")), 0),
         ]
-        for i, (who, t) in enumerate(trackers.items())
+        for who, t in trackers.items()
     ]
     header = ["tracker", "kind", "ANEES", "interval", "ANIS", "lost, %", "first lost at, s"]
     return Table(
@@ -97,8 +96,9 @@ def _look_ahead(trackers: dict[str, dict[str, Any]]) -> list[Table]:
     tables = []
     for channel in channels:
         name, unit = split(channel)
-        columns = [column([_rmse(t, span, channel) for t in trackers.values()]) for span in spans]
-        rows = [[who, *(values[i] for values in columns)] for i, who in enumerate(trackers)]
+        able = {who: t for who, t in trackers.items() if any(_rmse(t, span, channel) is not None for span in spans)}
+        columns = [column([_rmse(t, span, channel) for t in able.values()]) for span in spans]
+        rows = [[who, *(values[i] for values in columns)] for i, who in enumerate(able)]
         header = ["tracker", *(f"{span.replace('_', ' ')} ahead" for span in spans)]
         tables.append(Table(f"Look-ahead of {words(name)}, {unit}: root mean square error", header, rows))
     return tables
@@ -107,6 +107,11 @@ def _look_ahead(trackers: dict[str, dict[str, Any]]) -> list[Table]:
 def _rmse(tracker: dict[str, Any], span: str, channel: str) -> float | None:
     figure = (tracker.get("look_ahead") or {}).get(span, {}).get(channel)
     return _real(figure.get("rmse") if isinstance(figure, dict) else figure)
+
+
+def _share(value: float | None) -> str:
+    """A figure that should be 1, to a hundredth; a lost tracker's is large, and its decimals mean nothing."""
+    return number(_real(value), min(2, decimals(value)))
 
 
 def _real(value: Any) -> float | None:

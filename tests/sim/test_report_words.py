@@ -245,4 +245,11 @@ def test_the_look_ahead_has_a_column_for_each_span():
     ahead = {"20_s": {"position_m": {"rmse": 31.0}}, "60_s": {"position_m": {"rmse": 131.0}}}
     *_, table = tracker_tables({"one": summary(80.0, look_ahead=ahead), "two": summary(8.0)})
     assert table.header == ["tracker", "20 s ahead", "60 s ahead"]
-    assert table.rows == [["one", "31.00", "131.0"], ["two", "–", "–"]]
+    assert table.rows == [["one", "31.00", "131.0"]]  # what nobody foretold is no row of dashes
+
+
+def test_the_consistency_of_a_lost_tracker_has_no_decimals():
+    (*_, consistency) = tracker_tables(
+        {"lost": summary(8.0, anees=105679.29, anees_low=102791.64, anees_high=108566.9)}
+    )
+    assert consistency.rows[0][2:4] == ["105679", "102792 … 108567"]
