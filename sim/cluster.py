@@ -168,7 +168,7 @@ def connect(address: str, insecure: bool = False) -> ClusterExecutor:
     security = _security(distributed, address) if where.startswith("tls:") else None
     try:
         client = distributed.Client(where, timeout=ANSWER, security=security)
-    except Exception as error:  # any that its transport has
+    except Exception as error:  # its transports raise many kinds, and all mean that no scheduler answers there
         raise OutputError(f"cluster {address}: does not answer as a Dask scheduler ({type(error).__name__})") from None
     executor = ClusterExecutor(client, address)
     try:

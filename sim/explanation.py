@@ -154,5 +154,5 @@ def _during(during: str | tuple[str, ...]) -> str:
 
 
 def _limits(check: object) -> str:
-    low, high = check.min, check.max  # type: ignore[attr-defined]
+    low, high = check.min, check.max
     return " ".join(f"{sign} {value:g}" for sign, value in ((">=", low), ("<=", high)) if value is not None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib.util
 import itertools
 import zipfile
 import zlib
@@ -142,10 +143,8 @@ def _cells(column: np.ndarray) -> Iterator[object]:
 
 
 def _require_pyarrow() -> None:
-    try:
-        import pyarrow  # noqa: F401
-    except ImportError:
-        raise OutputError("--parquet needs pyarrow: pip install 'shortfinal[parquet]'") from None
+    if importlib.util.find_spec("pyarrow") is None:
+        raise OutputError("--parquet needs pyarrow: pip install 'shortfinal[parquet]'")
 
 
 def _write_parquet(path: Path, columns: Columns) -> None:

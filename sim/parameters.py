@@ -54,7 +54,7 @@ def parameters(cls: type) -> tuple[Parameter, ...]:
         required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
         default = field.default
         if not required and default is dataclasses.MISSING:
-            default = field.default_factory()  # type: ignore[misc]
+            default = field.default_factory()
         found.append(Parameter(field.name.rstrip("_"), field.name, unit, hint, required, default))
     return tuple(found)
 
@@ -75,11 +75,11 @@ def _numbers(hint: Any, unit: str | None) -> Any:
     if origin in (types.UnionType, typing.Union):
         return typing.Union[tuple(_numbers(a, unit) for a in arguments)]  # noqa: UP007 (built at run time)
     if origin is tuple and len(arguments) == 2 and arguments[1] is Ellipsis:
-        return list[_numbers(arguments[0], unit)]  # type: ignore[misc]
+        return list[_numbers(arguments[0], unit)]
     if origin is tuple:
-        return tuple[tuple(_numbers(a, unit) for a in arguments)]  # type: ignore[misc]
+        return tuple[tuple(_numbers(a, unit) for a in arguments)]
     if origin is dict:
-        return dict[arguments[0], _numbers(arguments[1], unit)]  # type: ignore[misc]
+        return dict[arguments[0], _numbers(arguments[1], unit)]
     return hint
 
 

@@ -2,6 +2,9 @@
 
 One child serves all calls of this process, and is started when it is first needed, so runs of our own aircraft pay
 nothing. It ends with its parent; where it is lost, the next call has a new one.
+
+Parent and child run the same code and exchange pickles. A model is data for JSBSim, read from its stripped copy; what
+is kept out here are its aborts, hangs and memory, not an attacker who could run code inside the child.
 """
 
 from __future__ import annotations
@@ -75,9 +78,9 @@ class _Child:
         timer.daemon = True
         timer.start()
         try:
-            self.process.stdin.write(work)  # type: ignore[union-attr]
-            self.process.stdin.flush()  # type: ignore[union-attr]
-            answer: tuple[bool, Any] = pickle.load(self.process.stdout)  # type: ignore[arg-type]
+            self.process.stdin.write(work)
+            self.process.stdin.flush()
+            answer: tuple[bool, Any] = pickle.load(self.process.stdout)
             return answer
         except (EOFError, OSError, pickle.UnpicklingError):
             ending = self.end()
@@ -97,7 +100,7 @@ class _Child:
         code = self.process.wait()
         for pipe in (self.process.stdin, self.process.stdout):
             with contextlib.suppress(OSError):
-                pipe.close()  # type: ignore[union-attr]
+                pipe.close()
         self.folder.cleanup()
         with contextlib.suppress(ValueError):
             return signal.Signals(-code).name
@@ -157,7 +160,7 @@ def serve() -> None:
             answer = (True, function(*arguments))
         except MemoryError:
             answer = (False, ScenarioError(f"the model needs more than {MEMORY_LIMIT >> 20} MB of memory"))
-        except Exception as error:
+        except Exception as error:  # whatever it is, the caller gets it as if it had called the function itself
             error.add_note(traceback.format_exc())
             answer = (False, error)
         pickle.dump(answer, answers, pickle.HIGHEST_PROTOCOL)

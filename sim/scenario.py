@@ -207,8 +207,8 @@ def _file_model(parts: dict[str, Any]) -> type[BaseModel]:
         aircraft=(model_of(AircraftChoice), None),
         start=(model_of(Start), None),
         designed=(dict[str, Any] | None, None),
-        departures=(list[model_of(Departure)], []),  # type: ignore[misc]
-        checks=(list[model_of(Check)], []),  # type: ignore[misc]
+        departures=(list[model_of(Departure)], []),
+        checks=(list[model_of(Check)], []),
         study=(model_of(StudyTable) | None, None),
         **parts,
     )

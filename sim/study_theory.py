@@ -52,7 +52,7 @@ def orbit_border(law: Any, scenario: Scenario, wind: np.ndarray) -> np.ndarray:
     Far out the bank returns to zero on some course only if k1 min(z_max, offset) < k2 min(zdot_max, closing speed), and
     the closing speed is at most the airspeed less the wind [Vasylyev 2003, eq. (4)].
     """
-    airspeed = min(leg.speed for leg in scenario.route.legs)  # type: ignore[union-attr]
+    airspeed = min(leg.speed for leg in scenario.route.legs)
     closing = np.minimum(law.cross_track_rate_limit, np.maximum(airspeed - wind, 0.0))
     border = law.k2 / law.k1 * closing
     return np.where(border < abs(scenario.start.cross_track), border, math.inf)

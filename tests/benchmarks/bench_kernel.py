@@ -112,7 +112,7 @@ def filterpy_imm(measurements: Measurements) -> Callable[[], None]:
 def kalbee_imm(measurements: Measurements) -> Iterator[Contestant]:
     """kalbee's interacting models, where it is installed; it takes one accuracy for all steps."""
     try:
-        import kalbee as package  # type: ignore[import-not-found]
+        import kalbee as package
     except ImportError:
         return
     z, R = measurements.z, measurements.R[0]
@@ -136,7 +136,7 @@ def stone_soup_kalman(z) -> Iterator[Contestant]:
     try:
         from datetime import datetime, timedelta
 
-        from stonesoup.models.measurement.linear import LinearGaussian  # type: ignore[import-not-found]
+        from stonesoup.models.measurement.linear import LinearGaussian
         from stonesoup.models.transition.linear import LinearGaussianTimeInvariantTransitionModel as Model
         from stonesoup.predictor.kalman import KalmanPredictor
         from stonesoup.types.detection import Detection
@@ -197,7 +197,7 @@ def filterpy_kalman(z) -> Callable[[], None]:
 def simdkalman(z) -> Iterator[Contestant]:
     """simdkalman's batched filter, where it is installed."""
     try:
-        import simdkalman as package  # type: ignore[import-not-found]
+        import simdkalman as package
     except ImportError:
         return
     filter_ = package.KalmanFilter(np.array(ANGLE_F), np.array(ANGLE_Q), np.array([[1.0, 0.0]]), np.array([[ANGLE_R]]))

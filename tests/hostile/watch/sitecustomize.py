@@ -64,7 +64,7 @@ def _note(log: int) -> None:
             told = [" ".join(map(str, arguments[1])) if isinstance(arguments[1], list | tuple) else str(arguments[1])]
         else:
             return
-        where = [os.path.abspath(os.fsdecode(path)) if event[:3] in ("ope", "os.") else path for path in told]  # type: ignore[arg-type]
+        where = [os.path.abspath(os.fsdecode(path)) if event[:3] in ("ope", "os.") else path for path in told]
         os.write(log, (json.dumps([event, *where]) + "\n").encode())
 
     sys.addaudithook(hook)
