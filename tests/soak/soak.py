@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = """
 name = "soak"
 until_s = 60
-flights = 5
+flights = 50
 draws = 5
 [wind]
 turbulence = "moderate"
