@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import bisect
 
+from autopilot.cycle_waves import ORDERS, CommandWave, wave_of_cycle
 from autopilot.describing_functions import (
     SAMPLES,
     harmonics,
@@ -38,7 +39,6 @@ from autopilot.route_loop import (
 AMPLITUDES = np.geomspace(0.01, 300.0, 200)  # of what the law asks for, over the bank limit
 FREQUENCIES = 240
 LOWEST, HIGHEST = 0.004, 3.0  # of the bandwidth of the bank loop
-HARMONICS = 12  # odd ones, of which a wave is put together
 
 
 class LimitCycle(NamedTuple):
@@ -75,12 +75,12 @@ def limit_cycles(limited: LimitedLoop, law: LateralNavigation) -> tuple[LimitCyc
     """All limit cycles of a law, by rising demand.
 
     For each amplitude the oscillation has the frequency at which the loop with its limits turns the phase round; where
-    its gain there passes through one is a limit cycle, which is stable if the gain falls as the amplitude grows. Slow
-    cycles swing so far that the law's own limits of deviation and rate act too, each by its own gain; such a swing is
-    far from a sine, and its period comes out much too short (40 s where 55 to 80 s are flown), its bank does not.
+    its gain there passes through one is a limit cycle, which is stable if the gain falls as the amplitude grows. The
+    law's own limits of deviation and rate act by their gains too. A stable cycle is then followed to the wave that
+    balances in all harmonics; an unstable one, which only divides what fades from what stays, is left as a sine.
     """
-    balances, _ = _balances(limited, law)
-    return tuple(_described(limited, *balance) for balance in balances)
+    balances, _ = sine_balances(limited, law)
+    return tuple(_described(limited, law, balance) for balance in balances)
 
 
 class Balance(NamedTuple):
@@ -91,7 +91,7 @@ class Balance(NamedTuple):
     is_stable: bool
 
 
-def _balances(limited: LimitedLoop, law: LateralNavigation) -> tuple[list[Balance], bool]:
+def sine_balances(limited: LimitedLoop, law: LateralNavigation) -> tuple[list[Balance], bool]:
     """Balances by rising demand, between the points of the grid, and whether the smallest oscillation grows."""
     moved = np.abs(limited.gain) * AMPLITUDES[:, None] * limited.bank_limit  # amplitude of the limited command
     asked = np.zeros(limited.gain.shape, complex)
@@ -125,19 +125,21 @@ def _turned(frequency: Any, around: Any) -> tuple[Any, Any]:
     return np.where(never, np.nan, turned), np.where(never, np.nan, gain)
 
 
-def _described(limited: LimitedLoop, demand: float, frequency: float, is_stable: bool) -> LimitCycle:
-    """The waves of the outputs from the harmonics of the limited command."""
-    wave = limited_wave(demand, frequency, limited.bank_limit, limited.rate_limit)
-    count = int(min(HARMONICS, 0.9 * math.pi / STEP / frequency // 2))
-    orders = np.arange(1, 2 * count, 2)
-    outputs = harmonics(wave, count) * response(limited.loop, orders * frequency)
+def _described(limited: LimitedLoop, law: LateralNavigation, balance: Balance) -> LimitCycle:
+    """What swings, from the harmonics of the limited command: of the settled wave, or of a limited sine."""
+    wave = None
+    if balance.is_stable:
+        wave = wave_of_cycle(limited.loop, law, limited.rate_limit, math.tau / balance.frequency)
+    if wave is None:
+        sine = limited_wave(balance.demand, balance.frequency, limited.bank_limit, limited.rate_limit)
+        wave = CommandWave(balance.frequency, harmonics(sine, len(ORDERS)), balance.demand)
+    orders = ORDERS[ORDERS * wave.frequency < 0.9 * math.pi / STEP]
+    outputs = wave.harmonics[: len(orders)] * response(limited.loop, orders * wave.frequency)
     angle = math.tau * np.arange(SAMPLES) / SAMPLES
     waves = (outputs[:, :, None] * np.exp(1j * orders[:, None] * angle)).imag.sum(axis=1)
     height = 0.5 * np.ptp(waves, axis=1)
-    period = math.tau / frequency
-    return LimitCycle(
-        period, float(height[BANK]), float(height[CROSS_TRACK]), demand, float(height[AILERON]), is_stable
-    )
+    period, bank, cross_track = math.tau / wave.frequency, float(height[BANK]), float(height[CROSS_TRACK])
+    return LimitCycle(period, bank, cross_track, wave.demand, float(height[AILERON]), balance.is_stable)
 
 
 def least_offset(limited: LimitedLoop, law: LateralNavigation) -> float:
@@ -147,7 +149,7 @@ def least_offset(limited: LimitedLoop, law: LateralNavigation) -> float:
     of an unstable limit cycle stays; zero where everything does, infinite where all fades away. A flight begins without
     the bank that the cycle has at that peak, which holds it back once more, so it is caught from somewhat nearer.
     """
-    balances, grows = _balances(limited, law)
+    balances, grows = sine_balances(limited, law)
     if grows:
         return 0.0
     offset = min((one.demand for one in balances if not one.is_stable), default=math.inf) / float(law.k1)
@@ -156,12 +158,12 @@ def least_offset(limited: LimitedLoop, law: LateralNavigation) -> float:
 
 def caught(limited: LimitedLoop, law: LateralNavigation, cross_track: float) -> LimitCycle | None:
     """The stable cycle to which an aircraft comes from rest beside the line (m); None where it fades, or never ends."""
-    balances, grows = _balances(limited, law)
+    balances, grows = sine_balances(limited, law)
     into, asked = balances[0] if grows and balances else None, law.k1 * min(cross_track, law.cross_track_limit)
     for below, above in itertools.zip_longest(balances, balances[1:]):
         if not below.is_stable and below.demand <= asked:
             into = above
-    return None if into is None else _described(limited, *into)
+    return None if into is None else _described(limited, law, into)
 
 
 def onset(limited: LimitedLoop, cross_track: float) -> float:

@@ -199,7 +199,10 @@ def _sections(scenario: Any, metrics: dict[str, Any], x: str, y: str, shown: Seq
         axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
         _set(axes.xaxis, across)
         axes.set_ylabel(label(name))
-        text = "Dots: medians of the flights; lines: what theory predicts, where it predicts a cycle."
+        text = (
+            "Dots: medians of the flights at their end; lines: the cycle that theory predicts, where it predicts one. "
+            "A flight that ends while its swings still fade lies off the line."
+        )
         charts.append(Chart(f"{label(name)}: theory and flights", style.data_uri(figure), text))
     return charts
 
