@@ -9,7 +9,7 @@ on; nothing is remembered elsewhere, so the same text of a law also serves track
 - ``approach``, ``landing``, ``stabilised_gate``: the phases from downwind to the ground, or around again
 - ``inner_loops``: Command -> Controls with the gains of ``design``, which come from the linear model of the aircraft
 - ``analysis``: poles and predictions of the route law, its phase portrait
-- ``route_loop``, ``describing_functions``, ``limit_cycles``: its margins and the oscillations that its limits sustain
+- ``route_loop``: its margins; ``limit_cycles``, ``describing_functions``, ``cycle_waves``: what its limits sustain
 
 Knows the airframe only by what passes between them, ``aircraft.state`` and ``aircraft.units``.
 """

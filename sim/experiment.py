@@ -28,6 +28,7 @@ from sim.preparation import Prepared, prepare
 from sim.quarantine import apart
 from sim.remarks import remarks
 from sim.scenario import Scenario, read
+from sim.second_process import ALONE, SecondProcess, second_process
 from sim.toml import dumps
 from sim.tracker_setup import build, check
 from sim.trackers import Tracked, track
@@ -84,7 +85,7 @@ def run(
     overrides: dict[str, Any] | None = None,
     trackers: dict[str, Any] | None = None,
     progress: Callable[..., Any] | None = None,
-    watch: Callable[[Flight, Scenario, Any], None] | None = None,
+    second: SecondProcess = ALONE,
 ) -> Result:
     """Read, fly, observe, track and judge a scenario.
 
@@ -93,7 +94,7 @@ def run(
     source : a file, a bundled name, a dict of tables or a scenario
     overrides : ``{"table.key": value}`` in the spelling of files
     trackers : further trackers by name, objects of the ``tracking.track.Tracker`` protocol
-    watch : shown flight 0, its scenario and the law that flew it, before anything tracks
+    second : another process that takes a part of the trackers
 
     Raises ``ScenarioError`` for anything that cannot be run.
     """
@@ -118,12 +119,10 @@ def run(
 
     lap = time.perf_counter()
     first = flown[0]
-    if watch is not None:
-        watch(first, scenario, prepared.law)
     records = observe(first, scenario.sensors, scenario.seed, 0, scenario.draws)
     _lap(timing, "observe_s", lap)
     lap = time.perf_counter()
-    tracks, tracker_metrics = track(prepared, first, records, trackers or {})
+    tracks, tracker_metrics = track(prepared, first, records, trackers or {}, 0, second)
     _lap(timing, "track_s", lap)
 
     each = [flight_metrics(one, scenario.runway, prepared.law.bank_limit) for one in flown]
@@ -162,20 +161,18 @@ def run_to_folder(
     scenario = read(source, overrides)
     folder = out if out is not None else Path("out") / scenario.name
     refuse_foreign(folder, "run")
-    from sim.reporting.second_process import draughtsman
-
-    with draughtsman(len(scenario.trackers)) as drawing:
-        result = run(scenario, progress=progress, watch=drawing.draw)
+    with second_process(len(scenario.trackers)) as second:
+        result = run(scenario, progress=progress, second=second)
         claim(folder, "run")
         with staged(folder) as place:
-            report(result, place, drawing.charts)
+            report(result, place, second)
             result.timing["total_s"] = time.perf_counter() - started
             write_json(place / "timing.json", result.timing)
     return folder, result
 
 
-def report(result: Result, folder: Path, charts: Callable[[], list[Any]] | None = None) -> None:
-    """Write the files of a run into an existing folder; ``charts`` gives figures of the flight drawn elsewhere."""
+def report(result: Result, folder: Path, second: SecondProcess = ALONE) -> None:
+    """Write the files of a run into an existing folder; a second process draws a part of its figures."""
     from sim.reporting.report import write
 
     lap = time.perf_counter()
@@ -197,7 +194,7 @@ def report(result: Result, folder: Path, charts: Callable[[], list[Any]] | None 
         tracked=result.tracks,
         records=result.records,
         built={name: build(result.prepared, name, choice)[0] for name, choice in scenario.trackers.items()},
-        flight_charts=charts,
+        second=second,
     )
     _lap(result.timing, "report_s", lap)
 

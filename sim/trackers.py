@@ -15,6 +15,7 @@ from sim.judgement import judge
 from sim.look_ahead import LookAhead
 from sim.observation import SensorRecord, measurements
 from sim.preparation import Prepared
+from sim.second_process import ALONE, SecondProcess
 from sim.tracker_setup import adopt, build, chart_height, gives_place, reads_places
 from sim.twins import alike, apart, as_one, repeated
 from tracking.gaussian import Gaussian, Mixture, merge
@@ -28,10 +29,6 @@ class Tracked(NamedTuple):
     track: Track
     measurements: Measurements
     law_from: str | None
-
-    def light(self) -> Tracked:
-        """With covariances in single precision: they are most of a run's memory, and only figures still read them."""
-        return self._replace(track=self.track._replace(cov=self.track.cov.astype(np.float32)))
 
     def arrays(self, name: str) -> dict[str, np.ndarray]:
         """For tracks.npz: all draws in single precision (a millimetre), the whole covariance for draw 0."""
@@ -52,12 +49,17 @@ class Tracked(NamedTuple):
 
 
 def track(
-    prepared: Prepared, flight: Flight, records: dict[str, SensorRecord], own: dict[str, Any], number: int = 0
+    prepared: Prepared,
+    flight: Flight,
+    records: dict[str, SensorRecord],
+    own: dict[str, Any],
+    number: int = 0,
+    second: SecondProcess = ALONE,
 ) -> tuple[dict[str, Tracked], dict[str, Any]]:
     """Run the trackers of a scenario, and ``own`` trackers of the caller, over one recorded flight.
 
     Returns the records and the figures of metrics.json. A tracker sees measurements, the law it is told and the
-    route; never the active leg, the phase or the true motion.
+    route; never the active leg, the phase or the true motion. A second process takes a part of the scenario's own.
     """
     figures: dict[str, Any] = {}
     choices = {name: (choice.kind, choice.sensors, choice) for name, choice in prepared.scenario.trackers.items()}
@@ -84,22 +86,14 @@ def track(
         (sensors, start): _between(heard[sensors], start, math.inf)
         for sensors, start in dict.fromkeys((entry.sensors, entry.start) for entry in entries)
     }
-    for twins in _twins(entries):
-        first = twins[0]
-        record = since[first.sensors, first.start]
-        prior = _prior(prepared, flight, records, first.name, first.tracker, first.start, number)
-        watched = {sensor: prepared.scenario.sensors[sensor] for sensor in first.sensors}
-        trackers = [entry.tracker for entry in twins]
-        ahead = LookAhead(trackers, flight, record.arrival, watched)
-        one = as_one(trackers, record.z.shape[2])
-        tracks = apart(run_tracker(one, *repeated(record, prior, len(twins)), first.start, ahead), len(twins))
-        for entry, followed, looked in zip(twins, tracks, ahead.figures(), strict=True):
-            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-                judged = judge(flight, watched, chart_height(prepared), followed, record)
-                seen = CONFORMANCE.watch(entry.tracker, followed)
-                judged["conformance"] = conformance.figures(seen, prepared.departure)
-                tracked[entry.name] = Tracked(followed, record, entry.law_from).light()
-            figures[entry.name] |= {"look_ahead": looked, **judged}
+    groups = sorted(_twins(entries), key=lambda twins: (twins[0].name in own, -_size(twins)))
+    calls = [(prepared, flight, records, since[twins[0].sensors, twins[0].start], twins, number) for twins in groups]
+    ours = [call for call, twins in zip(calls, groups, strict=True) if twins[0].name not in own]
+    results = second.shared(_followed, ours) + [_followed(*call) for call in calls[len(ours) :]]
+    for call, result in zip(calls, results, strict=True):
+        for entry, (followed, figure) in zip(call[4], result, strict=True):
+            tracked[entry.name] = Tracked(followed, call[3], entry.law_from)
+            figures[entry.name] |= figure
     return {name: tracked[name] for name in choices if name in tracked}, figures
 
 
@@ -114,6 +108,34 @@ class Entry(NamedTuple):
     handover: str | None
 
 
+def _followed(
+    prepared: Prepared,
+    flight: Flight,
+    records: dict[str, SensorRecord],
+    record: Measurements,
+    twins: list[Entry],
+    number: int,
+) -> list[tuple[Track, dict[str, Any]]]:
+    """What trackers that run as one made of a record, and their figures."""
+    first = twins[0]
+    prior = _prior(prepared, flight, records, first.name, first.tracker, first.start, number)
+    watched = {sensor: prepared.scenario.sensors[sensor] for sensor in first.sensors}
+    trackers = [entry.tracker for entry in twins]
+    ahead = LookAhead(trackers, flight, record.arrival, watched)
+    one = as_one(trackers, record.z.shape[2])
+    tracks = apart(run_tracker(one, *repeated(record, prior, len(twins)), first.start, ahead), len(twins))
+    found = []
+    for entry, followed, looked in zip(twins, tracks, ahead.figures(), strict=True):
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
+            judged = judge(flight, watched, chart_height(prepared), followed, record)
+            seen = CONFORMANCE.watch(entry.tracker, followed)
+            judged["conformance"] = conformance.figures(seen, prepared.departure)
+            # covariances are most of a run's memory, and only figures still read them
+            light = followed._replace(cov=followed.cov.astype(np.float32))
+        found.append((light, {"look_ahead": looked, **judged}))
+    return found
+
+
 def _twins(entries: list[Entry]) -> list[list[Entry]]:
     """The entries, those together that can run as one."""
     groups: list[list[Entry]] = []
@@ -126,6 +148,11 @@ def _twins(entries: list[Entry]) -> list[list[Entry]]:
         else:
             groups.append([entry])
     return groups
+
+
+def _size(twins: list[Entry]) -> int:
+    """How many hypotheses run as one: the longest work goes first where it is shared."""
+    return sum(len(getattr(entry.tracker, "modes", ())) or 1 for entry in twins)
 
 
 def begins(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -35,10 +34,11 @@ from sim.reporting.rows import (
 from sim.reporting.sentence import first_clause
 from sim.reporting.sources import FLIGHT_DYNAMICS, aircraft_sources, sources, what_ran
 from sim.reporting.style import Chart
-from sim.reporting.tracker_charts import tracker_charts
+from sim.reporting.tracker_charts import belief_charts, error_charts
 from sim.reporting.tracker_tables import tracker_tables
 from sim.reporting.vertical_profile import touchdown_view, vertical_profile
 from sim.reporting.weather_charts import weather_charts
+from sim.second_process import ALONE, SecondProcess
 from sim.toml import dumps
 
 
@@ -54,7 +54,7 @@ def write(
     tracked: dict[str, Any] | None = None,
     records: dict[str, Any] | None = None,
     built: dict[str, Any] | None = None,
-    flight_charts: Callable[[], list[Chart]] | None = None,
+    second: SecondProcess = ALONE,
 ) -> Path:
     """Write the report of one run; the file needs nothing but a browser.
 
@@ -64,25 +64,26 @@ def write(
     metrics : as in metrics.json            versions, timing : name -> version, name -> s
     tracked, records : name -> Tracked, name -> SensorRecord of the first flight
     built : name -> tracker, which knows what its models are called
-    flight_charts : gives the figures of the flight where another process draws them; asked last
+    second : another process that draws a part of the figures
     """
+    flight_charts = second.later(charts, flight, scenario, law)
     trackers, tracked, records = metrics.get("trackers") or {}, tracked or {}, records or {}
     modes = {
         name: mode_names((built or {}).get(name), trackers[name]["kind"], one.track.model_probabilities.shape[1])
         for name, one in tracked.items()
         if one.track.model_probabilities is not None
     }
-    followed = [one for one in follow(scenario, flight, tracked) if one.curves]
     alert = foremost(built or {}, tracked)
+    believing = {name: tracked[name] for name in modes}
+    beliefs = second.later(belief_charts, scenario, flight, trackers, believing, modes, alert)
+    followed = [one for one in follow(scenario, flight, tracked) if one.curves]
+    errors = error_charts(scenario, flight, trackers, followed, records)
     script = _file("replay.js")
     equations, papers, errata = sources(what_ran(scenario, law))
-    tracker_figures = []
-    if tracked:
-        tracker_figures = tracker_charts(scenario, flight, trackers, tracked, followed, records, modes, alert)
     page = _template().render(
         **first_screen(scenario, flight, metrics, followed),
         conformance=told_in_words(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
-        charts=flight_charts() if flight_charts is not None else charts(flight, scenario, law),
+        charts=flight_charts(),
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
         events=event_rows(flight),
         outcome=words(metrics["flight"]["outcome"]),
@@ -92,7 +93,7 @@ def write(
         beside=beside_rows(metrics["flight"]),
         spread=spread_rows(metrics.get("flights_summary", {})),
         trackers=tracker_tables(trackers) if trackers else [],
-        tracker_charts=tracker_figures,
+        tracker_charts=[*errors, *beliefs()],
         replay=replay(flight, scenario, followed, records),
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),

@@ -103,6 +103,13 @@ def import_matplotlib() -> None:
             del os.environ["MPLCONFIGDIR"]
 
 
+def get_ready() -> None:
+    """Import now what the first figure would import."""
+    import_matplotlib()
+    import matplotlib.backends.backend_svg
+    import matplotlib.figure  # noqa: F401
+
+
 @contextlib.contextmanager
 def drawing() -> Iterator[None]:
     """Inside, matplotlib draws in this style and keeps its remarks about fonts; outside, all is as the user set it."""

@@ -20,7 +20,7 @@ from sim.reporting.followed import FEW_WINDOWS, follow, windows
 from sim.reporting.path_bound import path_bound
 from sim.reporting.replay import ellipse
 from sim.reporting.report import write
-from sim.reporting.tracker_charts import tracker_charts
+from sim.reporting.tracker_charts import error_charts
 from sim.reporting.tracking_errors import azimuth_norm, containment, error_over_time
 from sim.reporting.winner import who_won
 from sim.scenario import read
@@ -296,7 +296,7 @@ def test_all_figures_of_the_trackers_are_there(flight, tmp_path):
     titles = [a["alt"].partition(": ")[0] for tag, a in page.tags if tag == "img"]
     wanted = [
         "Error over time", "Error by phase", "Does each tracker know how good it is?", "Consistency over time",
-        "Estimates in plan", "Model probabilities", "Containment against the radar's azimuth norm", "Look-ahead",
+        "Estimates in plan", "Containment against the radar's azimuth norm", "Look-ahead", "Model probabilities",
     ]  # fmt: skip
     assert [title for title in titles if title in wanted] == wanted
     assert page.faults == []
@@ -343,7 +343,7 @@ def test_one_draw_has_figures_too(flight):
     tracked = {name: followed_by(flight, noisy(10.0, seed, 1)) for seed, name in enumerate(("best", "plain"))}
     followed = follow(given, flight, tracked)
     trackers = summaries(given, {"best": 10.0, "plain": 9.0})
-    charts = tracker_charts(given, flight, trackers, tracked, followed, {}, {})
+    charts = error_charts(given, flight, trackers, followed, {})
     assert {"Error over time", "Does each tracker know how good it is?"} <= {chart.title for chart in charts}
     assert "within the noise" not in who_won(flight, trackers, followed)  # one draw says nothing about the noise
 

@@ -1,17 +1,57 @@
-"""The figures that a second process draws are those of the first, also where the second is lost."""
+"""What a second process does is what the first would have done, also where the second is lost."""
 
 from __future__ import annotations
 
 import os
 import signal
+import time
 
+import numpy as np
 import pytest
 
 from sim.experiment import fly
+from sim.observation import observe
 from sim.preparation import prepare
 from sim.reporting.report import charts
-from sim.reporting.second_process import FEW, draughtsman
 from sim.scenario import read
+from sim.second_process import ALONE, FEW, second_process
+from sim.trackers import track
+
+
+def square(number):
+    time.sleep(0.05)
+    return number * number, os.getpid()
+
+
+def sulk(number, home):
+    """Dies at the sixth call wherever it is not at home."""
+    if os.getpid() != home and number == 6:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return square(number)
+
+
+def refuse(number):
+    if number == 7:
+        raise IndexError("seven")
+    return number
+
+
+@pytest.fixture(scope="module")
+def second():
+    with second_process(FEW) as second:
+        if second.pool is None:
+            pytest.skip("a second process needs a second processor")
+        second.pool.submit(os.getpid).result()  # it is ready
+        yield second
+
+
+@pytest.fixture
+def doomed():
+    with second_process(FEW) as second:
+        if second.pool is None:
+            pytest.skip("a second process needs a second processor")
+        second.pool.submit(os.getpid).result()
+        yield second
 
 
 @pytest.fixture(scope="module")
@@ -25,26 +65,56 @@ def expected(flown):
     return charts(*flown)
 
 
-def test_a_second_process_draws_the_same_bytes(flown, expected):
-    with draughtsman(FEW) as drawing:
-        if drawing.pool is None:
-            pytest.skip("a second process needs a second processor")
-        drawing.draw(*flown)
-        assert drawing.charts() == expected
+def test_it_draws_the_same_bytes(second, flown, expected):
+    assert second.later(charts, *flown)() == expected
 
 
-def test_what_a_lost_process_owes_is_drawn_here(flown, expected):
-    with draughtsman(FEW) as drawing:
-        if drawing.pool is None:
-            pytest.skip("a second process needs a second processor")
-        worker = drawing.pool.submit(os.getpid).result()
-        os.kill(worker, signal.SIGKILL)
-        drawing.draw(*flown)
-        assert drawing.charts() == expected
+def test_what_a_lost_process_owes_is_made_here(doomed, flown, expected):
+    os.kill(doomed.pool.submit(os.getpid).result(), signal.SIGKILL)
+    assert doomed.later(charts, *flown)() == expected
+
+
+def test_both_take_their_part(second):
+    found = second.shared(square, [(number,) for number in range(8)])
+    assert [value for value, _ in found] == [number**2 for number in range(8)]
+    assert len({process for _, process in found}) == 2
+
+
+def test_a_process_that_is_lost_half_way_costs_no_result(doomed):
+    home = os.getpid()
+    found = doomed.shared(sulk, [(number, home) for number in range(8)])
+    assert [value for value, _ in found] == [number**2 for number in range(8)]
+    assert found[6][1] == home
+
+
+@pytest.mark.parametrize("place", [0, 1, 6, 7])
+def test_an_error_reaches_the_caller_from_either_end(second, place):
+    calls = [(number,) for number in range(10, 18)]
+    calls[place] = (7,)
+    with pytest.raises(IndexError, match="seven"):
+        second.shared(refuse, calls)
+
+
+def test_trackers_are_the_same_bytes(second):
+    kinds = {"plain": "kalman", "told": "linear_feedback", "limited": "saturated_control", "many": "imm"}
+    tables = {name: {"kind": kind} for name, kind in kinds.items()}
+    radar = {"radar": {"kind": "surveillance_radar"}}
+    prepared = prepare(
+        read("route_capture_point_mass", {"until_s": 60, "draws": 5, "sensors": radar, "trackers": tables})
+    )
+    flight = fly(prepared)
+    records = observe(flight, prepared.scenario.sensors, 1, 0, 5)
+    tracks, figures = track(prepared, flight, records, {}, 0, second)
+    alone, theirs = track(prepared, flight, records, {}, 0, ALONE)
+    assert figures == theirs
+    assert list(tracks) == list(alone) == list(kinds)
+    for name in kinds:
+        np.testing.assert_array_equal(tracks[name].track.mean, alone[name].track.mean)
+        np.testing.assert_array_equal(tracks[name].track.cov, alone[name].track.cov)
 
 
 def test_few_trackers_are_not_worth_a_process(flown, expected):
-    with draughtsman(FEW - 1) as drawing:
-        assert drawing.pool is None
-        drawing.draw(*flown)
-        assert drawing.charts() == expected
+    with second_process(FEW - 1) as second:
+        assert second.pool is None
+        assert second.later(charts, *flown)() == expected
+        assert [value for value, _ in second.shared(square, [(2,), (3,)])] == [4, 9]
