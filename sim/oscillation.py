@@ -28,10 +28,10 @@ def oscillation(flight: Flight) -> dict[str, float | None]:
 
 
 def _period(time: Any, bank: Any) -> float | None:
-    """Mean time between upward passages through the middle; None with less than two of them."""
+    """Mean time between every other passage through the middle; None with less than three of them."""
     level = bank - 0.5 * (bank.max() + bank.min())
-    up = np.flatnonzero((level[:-1] < 0.0) & (level[1:] >= 0.0))
-    if len(up) < 2:
+    at = np.flatnonzero((level[:-1] < 0.0) != (level[1:] < 0.0))
+    if len(at) < 3:
         return None
-    passed = time[up] + (time[up + 1] - time[up]) * level[up] / (level[up] - level[up + 1])
-    return float((passed[-1] - passed[0]) / (len(up) - 1))
+    passed = time[at] + (time[at + 1] - time[at]) * level[at] / (level[at] - level[at + 1])
+    return float((passed[2:] - passed[:-2]).mean())
