@@ -173,6 +173,20 @@ def test_flights_that_cells_share(row, tmp_path):
     assert same
 
 
+def test_soak(row):
+    """`make soak`: twenty studies whose workers are killed, twenty-five whose parents are, each beside a whole one."""
+    command = [sys.executable, "tests/soak/soak.py"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    lines = done.stdout.splitlines()
+    killed = sum(int(line.split()[2]) for line in lines if line.startswith("study "))
+    parents = sum(line.startswith("parent killed") for line in lines)
+    same = sum(line.endswith(": the same bytes") for line in lines)
+    told = f"{killed} workers and {parents} parents killed; {same} studies end with the same bytes; {lines[-1]}"
+    row("kill -9 of workers every 5 s and of parents at random", "no flight lost, same bytes", told, same == 45)
+    assert done.returncode == 0, done.stdout
+    assert same == 45  # no flight was given up either
+
+
 def test_plugin(row):
     """The foreign project of tests/sim/test_plugin.py, with nothing of ours but the wheel."""
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "tests/sim/test_plugin.py"]
