@@ -56,9 +56,8 @@ def staged(folder: Path) -> Iterator[Path]:
         for file in sorted(staging.iterdir()):
             os.replace(file, folder / file.name)
     except OSError as error:
-        raise OutputError(
-            f"{folder}: cannot be written: {error.strerror}; the files of the last run are kept"
-        ) from None
+        kept = "; the files of the last run are kept" if any(folder.glob("[!.]*")) else ""
+        raise OutputError(f"{folder}: cannot be written: {error.strerror}{kept}") from None
     finally:
         shutil.rmtree(staging, ignore_errors=True)
 
