@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
+from sim.blas import one_thread
 from sim.errors import OutputError, ScenarioError, printable
 
 UsageError: Any = typer.BadParameter.__base__  # typer does not export it
@@ -308,6 +309,7 @@ def _exit_code(metrics: dict[str, Any]) -> int:
 
 def main() -> None:
     """Entry point: faults become sentences on standard error and exit code 2."""
+    one_thread()
     try:
         sys.exit(app(standalone_mode=False))
     except (KeyboardInterrupt, typer.Abort):

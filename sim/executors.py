@@ -16,11 +16,12 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
+from sim.blas import THREADS
+
 ATTEMPTS = 3  # a flight whose worker aborts as often is at fault itself
 KILLS = 30  # a worker that is killed from outside is not its flight's fault, unless it happens this often
 TIME_LIMIT = 600.0  # s; the longest flight of 1800 s takes a small part of it
 MEMORY_LIMIT = 4 << 30  # bytes of address space of one worker
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 class Lost(NamedTuple):

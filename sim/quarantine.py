@@ -23,8 +23,9 @@ from collections.abc import Callable
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from sim.blas import THREADS
 from sim.errors import ScenarioError
-from sim.executors import MEMORY_LIMIT, THREADS, prepare_worker
+from sim.executors import MEMORY_LIMIT, prepare_worker
 
 MARK = "SHORTFINAL_QUARANTINE"  # set in the child's environment
 START = "import sys; sys.path[:] = {path!r}; from sim.quarantine import serve; serve()"
