@@ -10,6 +10,7 @@ import numpy as np
 from sim.flight import Flight
 
 LASTING = 60.0  # s; twice at the end of a flight
+WATCHED = 180.0  # s, at the end; for periods of up to two minutes
 LEAST = math.radians(1.0)  # of bank; less is no oscillation
 
 
@@ -22,7 +23,7 @@ def oscillation(flight: Flight) -> dict[str, float | None]:
     left, bank = flight.time[-1] - flight.time, flight.state.bank
     minutes = [bank[left < LASTING], bank[(left >= LASTING) & (left <= 2.0 * LASTING)]]
     amplitude = min(0.5 * float(np.ptp(minute)) if minute.size else 0.0 for minute in minutes)
-    last = left <= 2.0 * LASTING
+    last = left <= WATCHED
     period = _period(flight.time[last], bank[last]) if amplitude >= LEAST else None
     return {"bank_cycle_deg": math.degrees(amplitude), "bank_cycle_period_s": period}
 
