@@ -13,10 +13,11 @@ from sim.sensors.downlink import Downlink
 from sim.tables import WindTable
 from sim.truths.base_turn import BaseTurn
 from sim.truths.beacon_homing import BeaconHoming
+from tracking.azimuth_acceleration import horizontal_acceleration
 from tracking.gaussian import Gaussian
 from tracking.measurement import ConvertedPolar
 from tracking.motion import constant_velocity
-from tracking.trackers.load_factor import DOWNLINK, LoadFactor, horizontal_acceleration
+from tracking.trackers.load_factor import DOWNLINK, LoadFactor
 
 
 def test_constant_velocity_noise_is_the_integral_of_white_acceleration():

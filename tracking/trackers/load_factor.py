@@ -5,23 +5,27 @@ factors, bank, path angle and course from the aircraft. The azimuth's second der
 others. Each block steps when its own channel is measured - the radar's at the rate of the radar, a downlinked
 quantity between scans for itself alone - and is extrapolated where it is looked at in between.
 
-Axes of the paper (GOST 20058), used in this file only: X along the radar's zero azimuth, Y up, Z to the right; course
-phi counter-clockwise from above, path angle theta up, bank gamma right wing down. Gravity has no horizontal
-component, so the horizontal acceleration needs no term of it.
+The axes are those of `tracking.azimuth_acceleration`.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 
+from tracking.azimuth_acceleration import (
+    corrected_azimuth_acceleration,
+    horizontal_acceleration,
+    intended_azimuth_acceleration,
+    published_azimuth_acceleration,
+)
 from tracking.gaussian import Gaussian, Innovation, lift, predict, update
+from tracking.integrators import ahead, integrators
 from tracking.measurement import wrap
-from tracking.motion import GRAVITY
 from tracking.trackers.elevation import row_of
 
 Array = Any
@@ -39,76 +43,6 @@ BLOCKS = (*RADAR, *DOWNLINK)
 ANGLES = frozenset(("elevation", "azimuth", "aerodynamic_bank", "flight_path_angle", "air_course"))
 
 Aid = Literal["published", "intended", "corrected", "corrected_residual"]
-
-
-def horizontal_acceleration(
-    n_xa: Array, n_ya: Array, n_za: Array, gamma: Array, theta: Array, phi: Array
-) -> tuple[Array, Array]:
-    """Acceleration (a_X, a_Z), m/s2, from load factors along the path, up and to the right [Glistin, eq. (1)].
-
-    Load factors belong to the wind axes and the angles to the path through the air: with body axes or the ground
-    track the result is wrong by tenths of m/s2 in a crosswind.
-    """
-    up = n_ya * np.cos(gamma) - n_za * np.sin(gamma)
-    right = n_ya * np.sin(gamma) + n_za * np.cos(gamma)
-    along = n_xa * np.cos(theta) - up * np.sin(theta)
-    return (
-        GRAVITY * (along * np.cos(phi) + right * np.sin(phi)),
-        GRAVITY * (-along * np.sin(phi) + right * np.cos(phi)),
-    )
-
-
-def published_azimuth_acceleration(
-    a_X: Array, a_Z: Array, line_of_sight: Array, distance: Array, elevation: Array
-) -> tuple[Array, Array]:
-    """Azimuth acceleration as printed, and where its radicand had to be clamped [Glistin, eq. (1)].
-
-    The sum of the components is squared, so the value depends on where the axes point; its sign is lost; the
-    acceleration along the line of sight misses the centripetal part, and the Coriolis term is absent. It is here to
-    be measured.
-
-    Erratum: printed a radicand that is negative on half of a base turn, used zero there, because its root is no number.
-    Erratum: first print sets the root's parentheses around the arctangent, used the ratio inside, as in the second
-    print, because an angle over a distance is no angle.
-    """
-    return _root((a_X + a_Z) ** 2, line_of_sight, distance, elevation)
-
-
-def intended_azimuth_acceleration(
-    a_X: Array, a_Z: Array, line_of_sight: Array, distance: Array, elevation: Array
-) -> tuple[Array, Array]:
-    """Azimuth acceleration by the sum of squares that (1) must have meant, and where it was clamped [Glistin, eq. (1)].
-
-    Erratum: printed (a_X + a_Z)^2, used a_X^2 + a_Z^2, because only that does not depend on the axes. Sign, Coriolis
-    and centripetal terms are still missing.
-    """
-    return _root(a_X**2 + a_Z**2, line_of_sight, distance, elevation)
-
-
-def _root(square: Array, line_of_sight: Array, distance: Array, elevation: Array) -> tuple[Array, Array]:
-    radicand = square - (line_of_sight * np.cos(elevation)) ** 2
-    return np.arctan(np.sqrt(np.maximum(radicand, 0.0)) / (distance * np.cos(elevation))), radicand < 0.0
-
-
-def corrected_azimuth_acceleration(
-    a_X: Array,
-    a_Z: Array,
-    azimuth: Array,
-    azimuth_rate: Array,
-    distance: Array,
-    distance_rate: Array,
-    elevation: Array,
-    elevation_rate: Array,
-) -> Array:
-    """Second derivative of the azimuth (rad/s2), from X towards Z, distance slant: exact [Glistin, eq. (1)].
-
-    Erratum: printed an unsigned root without the Coriolis term, used the acceleration across the line of sight less
-    2 rho' w over the horizontal distance rho, because that is the derivative of the azimuth of a point.
-    """
-    rho = distance * np.cos(elevation)
-    rho_rate = distance_rate * np.cos(elevation) - distance * np.sin(elevation) * elevation_rate
-    across = a_Z * np.cos(azimuth) - a_X * np.sin(azimuth)
-    return (across - 2.0 * rho_rate * azimuth_rate) / rho
 
 
 class Block(NamedTuple):
@@ -163,8 +97,6 @@ class LoadFactor:
     Erratum: printed eps_o(k) + K in the first three lines of the azimuth block, used the extrapolated values, because
     the residual is taken against them.
     Erratum: printed no residual of the bank, used measured minus extrapolated, because its gain multiplies it.
-    Erratum: printed (1 - alpha tau), used exp(-alpha tau), because the first-order form grows without bound when a
-    block has waited longer than 2 / alpha.
 
     Parameters
     ----------
@@ -428,7 +360,7 @@ class LoadFactor:
         seen = {}
         for quantity, (order, memory, _) in self._dynamics.items():
             block = getattr(blocks, quantity)
-            seen[quantity] = _ahead(block.mean, order, memory, np.maximum(block.clock - ago, 0.0))
+            seen[quantity] = ahead(block.mean, order, memory, np.maximum(block.clock - ago, 0.0))
         n_x, n_y, n_z, gamma, theta, course = seen["downlink"][0]
         a_X, a_Z = horizontal_acceleration(n_x, n_y, n_z, gamma, theta, self.zero_azimuth - course)
         (distance, distance_rate, line_of_sight), (elevation, elevation_rate) = seen["range"], seen["elevation"]
@@ -442,44 +374,6 @@ class LoadFactor:
         return corrected, np.zeros(np.shape(corrected), dtype=bool)
 
 
-# Nodes and weights of Gauss and Legendre on 0..1. A sum of outer products is a covariance whatever the interval, and
-# six points hold ten digits up to an interval of one correlation time.
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
-_NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
-
-
-def _response(order: int, memory: float, time: Array) -> list[Array]:
-    """Every state's response to a unit last state that decays with ``memory``."""
-    x = time / memory
-    first = -memory * np.expm1(-x)
-    return [memory * (time - first), first, np.exp(-x)][3 - order :]
-
-
-def integrators(order: int, memory: float, density: float, dt: Array) -> tuple[Array, Array]:
-    """(F, Q), both (n, n, *B), of a chain of integrators whose last state decays and is driven by white noise."""
-    if np.ndim(dt) == np.ndim(density) == 0:
-        return _integrators_of_one(order, memory, density, float(dt))
-    return _integrators_of(order, memory, density, np.asarray(dt, dtype=float))
-
-
-@lru_cache(maxsize=4096)
-def _integrators_of_one(order: int, memory: float, density: float, dt: float) -> tuple[Array, Array]:
-    F, Q = _integrators_of(order, memory, density, np.asarray(dt))
-    F.flags.writeable = Q.flags.writeable = False
-    return F, Q
-
-
-def _integrators_of(order: int, memory: float, density: float, dt: Array) -> tuple[Array, Array]:
-    F = np.zeros((order, order, *dt.shape))
-    for i in range(order - 1):
-        F[i, i] = 1.0
-    if order == 3:
-        F[0, 1] = dt
-    F[:, -1] = _response(order, memory, dt)
-    g = np.stack(_response(order, memory, dt[..., None] * _NODES))
-    return F, density * dt * np.einsum("i...q,j...q,q->ij...", g, g, _WEIGHTS)
-
-
 def _printed_azimuth(dt: Array, density: float) -> tuple[Array, Array]:
     """(F, Q) of the azimuth block as printed: its acceleration is replaced, so its gain is exactly zero [Glistin]."""
     dt = np.asarray(dt, dtype=float)
@@ -487,16 +381,6 @@ def _printed_azimuth(dt: Array, density: float) -> tuple[Array, Array]:
     F = np.array([[one, dt, 0.5 * dt**2], [zero, one, dt], [zero, zero, zero]])
     Q = np.array([[zero, zero, zero], [zero, zero, zero], [zero, zero, density / np.where(dt > 0.0, dt, 1.0)]])
     return F, Q
-
-
-def _ahead(mean: Array, order: int, memory: float, dt: Array) -> tuple[Array, ...]:
-    """The mean of a block dt later."""
-    response = _response(order, memory, dt)
-    last = mean[-1]
-    moved = [mean[i] + response[i] * last for i in range(order - 1)]
-    if order == 3:
-        moved[0] = moved[0] + dt * mean[1]
-    return (*moved, response[-1] * last)
 
 
 def either(mask: Array, new: Gaussian, old: Gaussian) -> Gaussian:

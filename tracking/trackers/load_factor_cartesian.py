@@ -12,11 +12,13 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from tracking.azimuth_acceleration import horizontal_acceleration
 from tracking.gaussian import Gaussian, Innovation, predict, update
+from tracking.integrators import integrators
 from tracking.measurement import MeasurementModel
 from tracking.motion import CARTESIAN
 from tracking.trackers.elevation import row_of
-from tracking.trackers.load_factor import DOWNLINK, either, horizontal_acceleration, integrators
+from tracking.trackers.load_factor import DOWNLINK, either
 
 Array = Any
 
