@@ -202,7 +202,7 @@ def new(file: Annotated[Path, typer.Argument(help="The scenario file to make.")]
     """Write a commented scenario to start from."""
     from importlib import resources
 
-    from sim.scenario import NAME
+    from sim.scenario_model import NAME
 
     name = file.name.removesuffix(".toml").removesuffix(".scenario")
     if file.suffix != ".toml" or not NAME.fullmatch(name):
@@ -243,7 +243,7 @@ def explain(scenario: Scenario = DEFAULT, sets: Sets = None) -> None:
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of a scenario file."""
-    from sim.scenario import schema as made
+    from sim.scenario_model import schema as made
 
     typer.echo(json.dumps(made(), indent=1))
 

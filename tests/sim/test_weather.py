@@ -19,7 +19,8 @@ from sim import catalogue, windshear
 from sim.errors import ScenarioError
 from sim.experiment import fly
 from sim.preparation import prepare
-from sim.scenario import read, schema
+from sim.scenario import read
+from sim.scenario_model import schema
 from sim.tables import Runway
 from sim.weather import air, event_words, words
 
