@@ -82,7 +82,7 @@ def _load(path: Path) -> Columns:
     try:
         with path.open("rb") as file, np.load(file) as arrays:
             return dict(arrays.items())
-    except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error):
+    except (OSError, ValueError, TypeError, EOFError, RuntimeError, MemoryError, zipfile.BadZipFile, zlib.error):
         raise OutputError(f"{path}: damaged; run the scenario again") from None
 
 

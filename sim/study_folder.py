@@ -72,9 +72,12 @@ def read_scenario(folder: Path) -> str:
 
 def _identity_of(folder: Path) -> dict[str, Any]:
     try:
-        return dict(json.loads((folder / IDENTITY).read_text()))
+        found = json.loads((folder / IDENTITY).read_text())
     except (OSError, ValueError):
-        raise OutputError(f"{folder}: is no study folder: it has no {IDENTITY}") from None
+        found = None
+    if not isinstance(found, dict) or not isinstance(found.get("versions", {}), dict):
+        raise OutputError(f"{folder}: is no study folder: it has no {IDENTITY}")
+    return found
 
 
 def _difference(theirs: dict[str, Any], mine: dict[str, Any]) -> str:

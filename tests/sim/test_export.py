@@ -172,6 +172,13 @@ def damage_objects(folder):
     np.savez(folder / "flight.npz", time_s=np.array([{}], dtype=object))
 
 
+def damage_version(folder):
+    """The byte of a zip file that says which version of the format its first member needs."""
+    data = bytearray((folder / "flight.npz").read_bytes())
+    data[data.index(b"PK\x01\x02") + 6] = 82
+    (folder / "flight.npz").write_bytes(data)
+
+
 @pytest.mark.parametrize(
     ("damage", "said"),
     [
@@ -181,6 +188,7 @@ def damage_objects(folder):
         (damage_inside, r"flight\.npz: damaged"),
         (damage_text, r"flight\.npz: damaged"),
         (damage_objects, r"flight\.npz: damaged"),
+        (damage_version, r"flight\.npz: damaged"),
     ],
 )
 def test_a_wrong_folder_is_told_in_one_sentence_and_left_alone(run_folder, damage, said):

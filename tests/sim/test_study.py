@@ -318,6 +318,14 @@ def test_another_version_goes_on_only_when_told(tmp_path):
     assert studies.resume(tmp_path, Inline(), anyway=True)["flights"] == 2
 
 
+@pytest.mark.parametrize("found", ["null", "7", "[]", '{"versions": []}', "{", ""])
+def test_a_broken_identity_is_no_identity(tmp_path, found):
+    fly(tmp_path, line({"wind.speed_mps": [0.0]}, until_s=1.0))
+    (tmp_path / "cache/identity.json").write_text(found)
+    with pytest.raises(OutputError, match=r"is no study folder: it has no cache/identity\.json"):
+        studies.resume(tmp_path, Inline())
+
+
 def test_a_folder_without_a_study_is_left_alone(tmp_path):
     with pytest.raises(OutputError, match="is no study folder"):
         studies.resume(tmp_path, Inline())
