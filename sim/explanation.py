@@ -146,7 +146,10 @@ def _route_loop(prepared: Prepared, law: LateralNavigation) -> str:
     if cycle is None:
         return f"{text}{begun}, without an amplitude of its own"
     bank = math.degrees(cycle.bank)
-    return f"{text}{begun}; bank {bank:.1f} deg, period {cycle.period:.1f} s, cross-track {cycle.cross_track:.1f} m"
+    stops = f"; slower than that: it asks for {cycle.aileron:.1f} of the full aileron" if cycle.aileron > 1.0 else ""
+    return (
+        f"{text}{begun}; bank {bank:.1f} deg, period {cycle.period:.1f} s, cross-track {cycle.cross_track:.1f} m{stops}"
+    )
 
 
 def _during(during: str | tuple[str, ...]) -> str:
