@@ -162,20 +162,22 @@ def claims(
     from sim import claims as ledger
     from sim.claims.text import table
     from sim.output import claim, plain
+    from sim.second_process import second_process
 
     chosen = ledger.chosen(papers or ())
     if out is not None:
         claim(out, "claims")
     seed = ledger.SEED if seed is None else seed
-    try:
-        rows = list(ledger.measured(chosen, seed, quick, _progress(), out))
-    except KeyboardInterrupt:
-        typer.echo("stopped" if out is None else "stopped; the rows are kept; the same command goes on", err=True)
-        raise typer.Exit(STOPPED) from None
-    if out is not None:
-        from sim.reporting.claims_page import write
+    with second_process(len(chosen) > 1) as second:
+        try:
+            rows = ledger.measured(chosen, seed, quick, _progress(), out, second)
+        except KeyboardInterrupt:
+            typer.echo("stopped" if out is None else "stopped; the rows are kept; the same command goes on", err=True)
+            raise typer.Exit(STOPPED) from None
+        if out is not None:
+            from sim.reporting.claims_page import write
 
-        write(out, rows, seed)
+            write(out, rows, seed, second)
     typer.echo(json.dumps(plain([row.plain() for row in rows]), indent=1) if as_json else table(rows))
     if out is not None and not as_json:
         typer.echo(f"page: {out / 'claims.html'}")

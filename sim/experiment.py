@@ -33,6 +33,8 @@ from sim.toml import dumps
 from sim.tracker_setup import build, check
 from sim.trackers import Tracked, track
 
+FEW = 4  # trackers are done before a second process has got ready
+
 
 @dataclass(frozen=True)
 class Result:
@@ -161,7 +163,7 @@ def run_to_folder(
     scenario = read(source, overrides)
     folder = out if out is not None else Path("out") / scenario.name
     refuse_foreign(folder, "run")
-    with second_process(len(scenario.trackers)) as second:
+    with second_process(len(scenario.trackers) >= FEW, _get_ready) as second:
         result = run(scenario, progress=progress, second=second)
         claim(folder, "run")
         with staged(folder) as place:
@@ -169,6 +171,14 @@ def run_to_folder(
             result.timing["total_s"] = time.perf_counter() - started
             write_json(place / "timing.json", result.timing)
     return folder, result
+
+
+def _get_ready() -> None:
+    """In the second process: what takes long to import, while the aircraft still flies."""
+    from sim.reporting.report import charts  # noqa: F401
+    from sim.reporting.style import get_ready
+
+    get_ready()
 
 
 def report(result: Result, folder: Path, second: SecondProcess = ALONE) -> None:

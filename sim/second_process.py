@@ -1,4 +1,4 @@
-"""A second process that takes a part of a run's work: half of the trackers, and the figures of the flight.
+"""A second process that takes a part of the work: trackers and figures of a run, claims of a ledger.
 
 Whatever it is asked for is the same when it is done here instead, and is done here where there is no second processor
 or the process is lost.
@@ -14,9 +14,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
+from queue import SimpleQueue
 from typing import Any
-
-FEW = 4  # trackers are done before a second process has got ready
 
 
 class SecondProcess:
@@ -40,36 +39,47 @@ class SecondProcess:
 
         return result
 
-    def shared(self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> list[Any]:
-        """The results of a function for several arguments: this process begins with the first, the other with the last.
+    def as_done(self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
+        """Number and result of a function for several arguments, as each ends.
 
-        Raises what the function raises.
+        This process begins with the first call, the other with the last. Raises what the function raises.
         """
-        found: dict[int, Any] = {}
         waiting = deque(enumerate(calls))
-
-        def here() -> None:
-            while (call := _taken(waiting.popleft)) is not None:
-                found[call[0]] = function(*call[1])
+        done: SimpleQueue[tuple[int, Any]] = SimpleQueue()
 
         def there(pool: ProcessPoolExecutor) -> None:
             while (call := _taken(waiting.pop)) is not None:
                 try:
-                    found[call[0]] = pool.submit(function, *call[1]).result()
+                    done.put((call[0], pool.submit(function, *call[1]).result()))
                 except BrokenProcessPool:
                     waiting.append(call)
                     return
+
+        def here() -> Iterator[tuple[int, Any]]:
+            while (call := _taken(waiting.popleft)) is not None:
+                yield call[0], function(*call[1])
+                while not done.empty():
+                    yield done.get()
 
         if self.pool is not None:
             with ThreadPoolExecutor(1) as feeder:
                 fed = feeder.submit(there, self.pool)
                 try:
-                    here()
-                except BaseException:
+                    yield from here()
+                    fed.result()
+                except BaseException as error:
                     waiting.clear()  # nothing more is begun there
+                    if not isinstance(error, Exception):  # stopped: its last call is not waited for
+                        for child in multiprocessing.active_children():
+                            child.kill()
                     raise
-                fed.result()
-        here()  # all of it, or what a lost process has left
+        while not done.empty():
+            yield done.get()
+        yield from here()  # all of it, or what a lost process has left
+
+    def shared(self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> list[Any]:
+        """The results of `as_done` in the order of the calls."""
+        found = dict(self.as_done(function, calls))
         return [found[number] for number in range(len(calls))]
 
 
@@ -85,27 +95,19 @@ def _taken(end: Callable[[], Any]) -> Any:
 
 
 @contextmanager
-def second_process(trackers: int) -> Iterator[SecondProcess]:
-    """One for a run with so many trackers, where it saves time."""
-    if trackers < FEW or len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(2)) < 2:
-        yield SecondProcess()
+def second_process(worth_it: bool = True, ready: Callable[[], None] | None = None) -> Iterator[SecondProcess]:
+    """One that first gets ``ready``; none where it is not worth it or there is no second processor."""
+    if not worth_it or len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(2)) < 2:
+        yield ALONE
         return
-    pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _get_ready)
+    pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _begin)
     try:
-        pool.submit(_import)
+        if ready is not None:
+            pool.submit(ready)
         yield SecondProcess(pool)
     finally:
         pool.shutdown(cancel_futures=True)
 
 
-def _get_ready() -> None:
+def _begin() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the first process's affair
-
-
-def _import() -> None:
-    """What takes long to import, while the aircraft still flies."""
-    from sim.reporting.report import charts  # noqa: F401
-    from sim.reporting.style import get_ready
-    from sim.trackers import track  # noqa: F401
-
-    get_ready()

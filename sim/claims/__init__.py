@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from sim.errors import ScenarioError, did_you_mean
+from sim.second_process import ALONE, SecondProcess
 
 PAPERS = ("vasylyev2003", "volovyk2022", "volovyk2018", "kychak2011", "glistin", "madap")
 SEED = 2026
@@ -34,24 +35,36 @@ def plots_of(paper: str, seed: int = SEED) -> tuple[Any, ...]:
 
 
 def measured(
-    papers: Iterable[str] = (), seed: int = SEED, quick: bool = False, progress: Any = None, folder: Path | None = None
-) -> Iterator[Any]:
-    """Rows of the ledger, one after the other; ``progress`` wraps the work as `sim.progress.bar` does.
+    papers: Iterable[str] = (),
+    seed: int = SEED,
+    quick: bool = False,
+    progress: Any = None,
+    folder: Path | None = None,
+    second: SecondProcess = ALONE,
+) -> list[Any]:
+    """Rows of the ledger; ``progress`` wraps the work as `sim.progress.bar` does, a second process takes a part of it.
 
     Rows are kept in ``folder`` until the pages are written there: an interrupted ledger goes on where it was stopped.
     """
     from sim.claims import kept
-    from sim.claims.ledger import Row, measure
+    from sim.claims.ledger import Row
 
     mark = "" if folder is None else kept.stamp(seed, quick)
     found = {} if folder is None else kept.load(folder, mark)
-    work = [(paper, claim) for paper in chosen(papers) for claim in claims_of(paper)]
-    shown = work if progress is None else progress(work, len(work), "claims")
-    for paper, claim in shown:
-        if (paper, claim.name) in found:
-            yield Row(paper, claim, seed, found[paper, claim.name])
-            continue
-        row = measure(paper, claim, seed, quick)
+    claims = {(paper, claim.name): claim for paper in chosen(papers) for claim in claims_of(paper)}
+    missing = [name for name in claims if name not in found]
+    done: Any = second.as_done(_measure, [(*name, seed, quick) for name in missing])
+    for number, values in done if progress is None else progress(done, len(missing), "claims"):
+        name = missing[number]
+        found[name] = values
         if folder is not None:
-            kept.keep(folder, mark, row)
-        yield row
+            kept.keep(folder, mark, Row(name[0], claims[name], seed, values))
+    return [Row(name[0], claim, seed, found[name]) for name, claim in claims.items()]
+
+
+def _measure(paper: str, name: str, seed: int, quick: bool) -> Any:
+    """What was measured for one claim, by its name: a claim itself holds functions and stays where it is."""
+    from sim.claims.ledger import measure
+
+    claim = next(claim for claim in claims_of(paper) if claim.name == name)
+    return measure(paper, claim, seed, quick).measured

@@ -18,6 +18,7 @@ from sim.output import staged, write_json
 from sim.reporting import style
 from sim.reporting.quantities import ABSENT
 from sim.reporting.tracking_errors import logarithmic
+from sim.second_process import ALONE, SecondProcess
 
 HEIGHT = 2.4  # in
 LOOKS: dict[str, dict[str, Any]] = {
@@ -28,11 +29,10 @@ LOOKS: dict[str, dict[str, Any]] = {
 }
 
 
-def write(folder: Path, rows: Sequence[Row], seed: int) -> None:
+def write(folder: Path, rows: Sequence[Row], seed: int, second: SecondProcess = ALONE) -> None:
     """claims.json, claims.md, claims.html and one page for each paper, all or none."""
     papers = list(dict.fromkeys(row.paper for row in rows))
-    with style.drawing():
-        charts = {paper: [chart(plot) for plot in plots_of(paper, seed)] for paper in papers}
+    charts = dict(zip(papers, second.shared(charts_of, [(paper, seed) for paper in papers]), strict=True))
     with staged(folder) as place:
         write_json(place / "claims.json", [row.plain() for row in rows])
         (place / "claims.md").write_text(summary(rows) + "\n", encoding="utf-8")
@@ -42,6 +42,12 @@ def write(folder: Path, rows: Sequence[Row], seed: int) -> None:
             text = page(f"Claims of {paper}", own, {paper: charts[paper]}, seed)
             (place / f"{paper}.html").write_text(text, encoding="utf-8")
     (folder / kept.FILE).unlink(missing_ok=True)
+
+
+def charts_of(paper: str, seed: int) -> list[style.Chart]:
+    """The figures of one paper."""
+    with style.drawing():
+        return [chart(plot) for plot in plots_of(paper, seed)]
 
 
 def page(title: str, rows: Sequence[Row], charts: dict[str, list[style.Chart]], seed: int) -> str:

@@ -237,9 +237,9 @@ def test_a_folder_that_cannot_be_written_is_refused_before_anything_is_measured(
 
 
 def test_the_command_writes_json_and_pages_and_exits_0_whatever_the_verdicts(tmp_path, monkeypatch):
-    monkeypatch.setattr(claims, "measured", lambda *given: iter([made(1.0)]))
+    monkeypatch.setattr(claims, "measured", lambda *given: [made(1.0)])
     monkeypatch.setattr("sim.reporting.claims_page.plots_of", lambda paper, seed: ())
-    done = CliRunner().invoke(app, ["claims", "--json", "-o", str(tmp_path / "out")])
+    done = CliRunner().invoke(app, ["claims", "glistin", "--json", "-o", str(tmp_path / "out")])
     assert done.exit_code == 0
     (row,) = json.loads(done.stdout)
     assert row["verdict"] == "refuted"

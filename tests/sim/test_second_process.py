@@ -14,7 +14,7 @@ from sim.observation import observe
 from sim.preparation import prepare
 from sim.reporting.report import charts
 from sim.scenario import read
-from sim.second_process import ALONE, FEW, second_process
+from sim.second_process import ALONE, second_process
 from sim.trackers import track
 
 
@@ -38,7 +38,7 @@ def refuse(number):
 
 @pytest.fixture(scope="module")
 def second():
-    with second_process(FEW) as second:
+    with second_process() as second:
         if second.pool is None:
             pytest.skip("a second process needs a second processor")
         second.pool.submit(os.getpid).result()  # it is ready
@@ -47,7 +47,7 @@ def second():
 
 @pytest.fixture
 def doomed():
-    with second_process(FEW) as second:
+    with second_process() as second:
         if second.pool is None:
             pytest.skip("a second process needs a second processor")
         second.pool.submit(os.getpid).result()
@@ -95,6 +95,13 @@ def test_an_error_reaches_the_caller_from_either_end(second, place):
         second.shared(refuse, calls)
 
 
+def test_who_stops_does_not_wait_for_what_runs_there(doomed):
+    began, results = time.monotonic(), doomed.as_done(time.sleep, [(0.0,), (60.0,)])
+    next(results)
+    results.close()
+    assert time.monotonic() - began < 30.0  # of sixty
+
+
 def test_trackers_are_the_same_bytes(second):
     kinds = {"plain": "kalman", "told": "linear_feedback", "limited": "saturated_control", "many": "imm"}
     tables = {name: {"kind": kind} for name, kind in kinds.items()}
@@ -113,8 +120,8 @@ def test_trackers_are_the_same_bytes(second):
         np.testing.assert_array_equal(tracks[name].track.cov, alone[name].track.cov)
 
 
-def test_few_trackers_are_not_worth_a_process(flown, expected):
-    with second_process(FEW - 1) as second:
+def test_what_is_not_worth_a_process_is_done_here(flown, expected):
+    with second_process(worth_it=False) as second:
         assert second.pool is None
         assert second.later(charts, *flown)() == expected
         assert [value for value, _ in second.shared(square, [(2,), (3,)])] == [4, 9]
