@@ -23,7 +23,7 @@ ORDERS = np.arange(1, 40, 2)
 ANGLE = math.pi * np.arange(HALF) / HALF
 ORDERS_AT = np.exp(1j * ORDERS[:, None] * ANGLE)  # (orders, HALF)
 ROUNDS, SETTLED = 40, 1e-4  # through the loop; of the wave, between two of them
-STRIDE, WIDEST = 1.06, 3.0  # of the period: between two looks for the one that does not shift, and how far they go
+STRIDE, WIDEST = 1.06, 6.0  # of the period: between two looks for the one that does not shift, and how far they go
 PRECISE = 1e-3  # of the period
 PASSES, CLOSED = 60, 1e-9  # over half a wave; rad, between its end and its beginning
 

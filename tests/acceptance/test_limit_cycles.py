@@ -137,10 +137,16 @@ def test_cycle_of_the_roll_rate_limit(row, share):
 
 @pytest.mark.parametrize(
     ("bank", "share"),
-    [(4.0, 0.42), (4.0, 0.46), (4.0, 0.5), (6.0, 0.38), (6.0, 0.46), (8.0, 0.34), (10.0, 0.3), (12.0, 0.26)],
+    [
+        *((4.0, 0.42), (4.0, 0.46), (4.0, 0.5), (6.0, 0.38), (6.0, 0.42), (6.0, 0.46)),
+        *((8.0, 0.34), (8.0, 0.38), (10.0, 0.3), (12.0, 0.26)),
+    ],
 )
-def test_cycle_to_which_a_capture_fades_slowly(row, bank, share):
-    """Cells of gain_map whose swings from 300 m still fade after a quarter of an hour, begun as wide as the cycle."""
+def test_cycle_that_takes_long_to_settle(row, bank, share):
+    """Cells of gain_map whose swings still fade or grow after a quarter of an hour, begun as wide as the cycle.
+
+    Without the cell of 6 deg and 0.5, whose 137 s are longer than what `oscillation` sees.
+    """
     limited = theory(bank, 5.0)
     said = caught(limited, law_of(limited, share), 300.0)
     begun = (OFFSET, said.cross_track), ("autopilot.bank_limit_deg", bank)

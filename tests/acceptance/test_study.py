@@ -118,7 +118,7 @@ def test_gain_map(row, tmp_path):
     told = (
         f"{len(banks)} cycles: bank within {100 * np.median(banks):.1f} % in half, {100 * banks.max():.1f} % in all; "
         f"period within {100 * np.median(periods):.1f} % in half, within 10 % in {(periods <= 0.1).sum()}; "
-        "the others still fade when the flight ends (the same cells are begun nearer in rows of their own)"
+        "the others still fade or grow when the flight ends (their cells have rows under limit_cycles)"
     )
     row("gain_map: amplitude and period of what stays, theory over flight", "reported", told, True)
     assert metrics["flights"] == len(rows)
