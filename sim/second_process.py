@@ -11,30 +11,58 @@ import os
 import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from queue import SimpleQueue
 from typing import Any
 
 
-class SecondProcess:
-    """Calls in another process, or in this one where there is no other."""
+class Lost(Exception):
+    """The second process is gone, and what it was asked for with it."""
 
-    def __init__(self, pool: ProcessPoolExecutor | None = None) -> None:
-        self.pool = pool
+
+class SecondProcess:
+    """Calls in another process, one after the other, or in this one where there is no other."""
+
+    def __init__(self, there: bool = False) -> None:
+        self.process: Any = None
+        if there:
+            context = multiprocessing.get_context("spawn")
+            self._line, end = context.Pipe()
+            self._thread = ThreadPoolExecutor(1)  # waits for the answers
+            self.process = context.Process(target=_serve, args=(end,), daemon=True)
+            self.process.start()
+            end.close()  # so that its death is heard
+
+    def stop(self) -> None:
+        """End the process at once, whatever it does."""
+        if self.process is not None:
+            self.process.kill()
+            self.process.join()
+            self._thread.shutdown(cancel_futures=True)
+
+    def _call(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        try:
+            self._line.send((function, arguments))
+            good, answer = self._line.recv()
+        except (EOFError, OSError):
+            raise Lost from None
+        if not good:
+            raise answer
+        return answer
 
     def later(self, function: Callable[..., Any], *arguments: Any) -> Callable[[], Any]:
         """Begin a call there, at once; what is returned gives its result, and makes it here where it must."""
         begun: Future[Any] | None = None
-        if self.pool is not None:
-            with suppress(BrokenProcessPool):
-                begun = self.pool.submit(function, *arguments)
+        if self.process is not None:
+            begun = self._thread.submit(self._call, function, *arguments)
 
         def result() -> Any:
             if begun is not None:
-                with suppress(BrokenProcessPool):
+                try:
                     return begun.result()
+                except Lost:
+                    pass
             return function(*arguments)
 
         return result
@@ -47,11 +75,11 @@ class SecondProcess:
         waiting = deque(enumerate(calls))
         done: SimpleQueue[tuple[int, Any]] = SimpleQueue()
 
-        def there(pool: ProcessPoolExecutor) -> None:
+        def there() -> None:
             while (call := _taken(waiting.pop)) is not None:
                 try:
-                    done.put((call[0], pool.submit(function, *call[1]).result()))
-                except BrokenProcessPool:
+                    done.put((call[0], self._call(function, *call[1])))
+                except Lost:
                     waiting.append(call)
                     return
 
@@ -61,18 +89,16 @@ class SecondProcess:
                 while not done.empty():
                     yield done.get()
 
-        if self.pool is not None:
-            with ThreadPoolExecutor(1) as feeder:
-                fed = feeder.submit(there, self.pool)
-                try:
-                    yield from here()
-                    fed.result()
-                except BaseException as error:
-                    waiting.clear()  # nothing more is begun there
-                    if not isinstance(error, Exception):  # stopped: its last call is not waited for
-                        for child in multiprocessing.active_children():
-                            child.kill()
-                    raise
+        if self.process is not None:
+            fed = self._thread.submit(there)
+            try:
+                yield from here()
+                fed.result()
+            except BaseException as error:
+                waiting.clear()  # nothing more is begun there
+                if not isinstance(error, Exception):
+                    self.process.kill()  # stopped: its last call is not waited for
+                raise
         while not done.empty():
             yield done.get()
         yield from here()  # all of it, or what a lost process has left
@@ -100,14 +126,25 @@ def second_process(worth_it: bool = True, ready: Callable[[], None] | None = Non
     if not worth_it or len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(2)) < 2:
         yield ALONE
         return
-    pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _begin)
+    second = SecondProcess(there=True)
     try:
         if ready is not None:
-            pool.submit(ready)
-        yield SecondProcess(pool)
+            second.later(ready)
+        yield second
     finally:
-        pool.shutdown(cancel_futures=True)
+        second.stop()
 
 
-def _begin() -> None:
+def _serve(line: Any) -> None:
+    """In the second process: answer call after call, until the first one is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the first process's affair
+    while True:
+        try:
+            function, arguments = line.recv()
+        except EOFError:
+            return
+        try:
+            answer = True, function(*arguments)
+        except Exception as error:  # the caller gets it as if it had called the function itself
+            answer = False, error
+        line.send(answer)

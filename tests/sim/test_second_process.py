@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import time
-from concurrent.futures.process import BrokenProcessPool
 
 import numpy as np
 import pytest
@@ -40,18 +39,18 @@ def refuse(number):
 @pytest.fixture(scope="module")
 def second():
     with second_process() as second:
-        if second.pool is None:
+        if second.process is None:
             pytest.skip("a second process needs a second processor")
-        second.pool.submit(os.getpid).result()  # it is ready
+        second.later(os.getpid)()  # it is ready
         yield second
 
 
 @pytest.fixture
 def doomed():
     with second_process() as second:
-        if second.pool is None:
+        if second.process is None:
             pytest.skip("a second process needs a second processor")
-        second.pool.submit(os.getpid).result()
+        second.later(os.getpid)()
         yield second
 
 
@@ -71,7 +70,7 @@ def test_it_draws_the_same_bytes(second, flown, expected):
 
 
 def test_what_a_lost_process_owes_is_made_here(doomed, flown, expected):
-    os.kill(doomed.pool.submit(os.getpid).result(), signal.SIGKILL)
+    os.kill(doomed.process.pid, signal.SIGKILL)
     assert doomed.later(charts, *flown)() == expected
 
 
@@ -101,8 +100,8 @@ def test_who_stops_does_not_wait_for_what_runs_there(doomed):
     results = doomed.as_done(time.sleep, [(0.0,), (30.0,)])
     next(results)
     results.close()
-    with pytest.raises(BrokenProcessPool):
-        doomed.pool.submit(os.getpid).result()
+    doomed.process.join()
+    assert doomed.process.exitcode == -signal.SIGKILL
 
 
 def test_trackers_are_the_same_bytes(second):
@@ -125,6 +124,6 @@ def test_trackers_are_the_same_bytes(second):
 
 def test_what_is_not_worth_a_process_is_done_here(flown, expected):
     with second_process(worth_it=False) as second:
-        assert second.pool is None
+        assert second.process is None
         assert second.later(charts, *flown)() == expected
         assert [value for value, _ in second.shared(square, [(2,), (3,)])] == [4, 9]
