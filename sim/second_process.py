@@ -28,11 +28,13 @@ class SecondProcess:
         self.process: Any = None
         if there:
             context = multiprocessing.get_context("spawn")
-            self._line, end = context.Pipe()
+            calls, self._calls = context.Pipe(duplex=False)  # two pipes: one for both ways would be a socket
+            self._answers, answers = context.Pipe(duplex=False)
             self._thread = ThreadPoolExecutor(1)  # waits for the answers
-            self.process = context.Process(target=_serve, args=(end,), daemon=True)
+            self.process = context.Process(target=_serve, args=(calls, answers), daemon=True)
             self.process.start()
-            end.close()  # so that its death is heard
+            answers.close()  # so that its death is heard
+            calls.close()
 
     def stop(self) -> None:
         """End the process at once, whatever it does."""
@@ -43,8 +45,8 @@ class SecondProcess:
 
     def _call(self, function: Callable[..., Any], *arguments: Any) -> Any:
         try:
-            self._line.send((function, arguments))
-            good, answer = self._line.recv()
+            self._calls.send((function, arguments))
+            good, answer = self._answers.recv()
         except (EOFError, OSError):
             raise Lost from None
         if not good:
@@ -135,16 +137,16 @@ def second_process(worth_it: bool = True, ready: Callable[[], None] | None = Non
         second.stop()
 
 
-def _serve(line: Any) -> None:
+def _serve(calls: Any, answers: Any) -> None:
     """In the second process: answer call after call, until the first one is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the first process's affair
     while True:
         try:
-            function, arguments = line.recv()
+            function, arguments = calls.recv()
         except EOFError:
             return
         try:
             answer = True, function(*arguments)
         except Exception as error:  # the caller gets it as if it had called the function itself
             answer = False, error
-        line.send(answer)
+        answers.send(answer)
