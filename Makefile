@@ -43,7 +43,7 @@ uses: .venv/ready
 	$(BIN)/python tests/docs/uses.py
 
 fleet: .venv/ready
-	$(BIN)/python -m sim.fleet
+	$(BIN)/python -m sim.cli.fleet
 
 bench: .venv/ready
 	$(BIN)/python tests/benchmarks/run.py

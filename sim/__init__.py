@@ -14,11 +14,11 @@ from typing import Any
 __version__ = "0.1.0"
 
 _VERBS = {
-    "read": "sim.scenario",
-    "Scenario": "sim.scenario",
-    "prepare": "sim.preparation",
+    "read": "sim.scenario.reading",
+    "Scenario": "sim.scenario.reading",
+    "prepare": "sim.flight.preparation",
     "fly": "sim.experiment",
-    "observe": "sim.observation",
+    "observe": "sim.observation.record",
     "track": "sim.experiment",
     "report": "sim.experiment",
     "run": "sim.experiment",

@@ -11,27 +11,27 @@ from typing import Any
 
 import numpy as np
 
-from sim import flight as flights
-from sim.budget import refuse_too_much
-from sim.checks import judge
-from sim.departures import noted
-from sim.doctor import versions
-from sim.executors import TIME_LIMIT
-from sim.export import with_unit
-from sim.flight import Flight
-from sim.metrics import flight_metrics, summarise
-from sim.navigated import navigated
-from sim.navigation import navigator
-from sim.observation import SensorRecord, observe
-from sim.output import claim, refuse_foreign, staged, write_json, write_npz
-from sim.preparation import Prepared, prepare
-from sim.quarantine import apart
-from sim.remarks import remarks
-from sim.scenario import Scenario, read
-from sim.second_process import ALONE, SecondProcess, second_process
-from sim.toml import dumps
-from sim.tracker_setup import build, check
-from sim.trackers import Tracked, track
+from sim.cli.doctor import versions
+from sim.cli.export import with_unit
+from sim.estimation.navigator import navigator
+from sim.estimation.setup import build, check
+from sim.estimation.tracking_run import Tracked, track
+from sim.files import claim, refuse_foreign, staged, write_json, write_npz
+from sim.flight import loop as flights
+from sim.flight.departures import noted
+from sim.flight.loop import Flight
+from sim.flight.preparation import Prepared, prepare
+from sim.metrics.checks import judge
+from sim.metrics.flight import flight_metrics, summarise
+from sim.metrics.navigation import navigated
+from sim.metrics.warnings import remarks
+from sim.observation.record import SensorRecord, observe
+from sim.scenario.budget import refuse_too_much
+from sim.scenario.reading import Scenario, read
+from sim.scenario.toml_writer import dumps
+from sim.workers.executors import TIME_LIMIT
+from sim.workers.helper_process import ALONE, SecondProcess, second_process
+from sim.workers.isolation import apart
 
 FEW = 4  # trackers are done before a second process has got ready
 
@@ -175,15 +175,15 @@ def run_to_folder(
 
 def _get_ready() -> None:
     """In the second process: what takes long to import, while the aircraft still flies."""
-    from sim.reporting.report import charts  # noqa: F401
-    from sim.reporting.style import get_ready
+    from sim.reporting.figures.style import get_ready
+    from sim.reporting.run_page import charts  # noqa: F401
 
     get_ready()
 
 
 def report(result: Result, folder: Path, second: SecondProcess = ALONE) -> None:
     """Write the files of a run into an existing folder; a second process draws a part of its figures."""
-    from sim.reporting.report import write
+    from sim.reporting.run_page import write
 
     lap = time.perf_counter()
     scenario, first = result.scenario, result.flight

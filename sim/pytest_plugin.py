@@ -41,9 +41,9 @@ class ScenarioFile(pytest.File):
     def collect(self) -> Iterator[pytest.Item]:
         """One item for each check, or one that flies a scenario without any."""
         from autopilot.approach import PHASES
-        from sim.checks import refuse_unknown
         from sim.errors import ScenarioError
-        from sim.scenario import read
+        from sim.metrics.checks import refuse_unknown
+        from sim.scenario.reading import read
 
         try:
             checks = read(self.path).checks
@@ -71,7 +71,7 @@ class CheckItem(pytest.Item):
 
     def runtest(self) -> None:
         """Fly the scenario, unless a check before this one did, and look at one of its checks."""
-        from sim.check_words import broken, phases
+        from sim.metrics.check_words import broken, phases
 
         result = fly(self, self.path)
         if self.index is None:
@@ -102,7 +102,7 @@ class CheckBroken(ValueError):
 def fly(item: pytest.Item, source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Any:
     """The result of a scenario, flown once in a pytest run however many tests look at it."""
     import sim
-    from sim.scenario import read
+    from sim.scenario.reading import read
 
     scenario = read(source, overrides)
     flown = item.session.stash.setdefault(FLOWN, {})
@@ -143,7 +143,7 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
 def keep(result: Any, folder: Path) -> Path:
     """Write the folder of a run, named after its scenario; each xdist worker writes its own."""
     from sim.experiment import report
-    from sim.output import claim, staged, write_json
+    from sim.files import claim, staged, write_json
 
     worker = os.environ.get("PYTEST_XDIST_WORKER")
     place = folder / (f"{result.scenario.name}-{worker}" if worker else result.scenario.name)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.errors import ScenarioError, did_you_mean
-from sim.second_process import ALONE, SecondProcess
+from sim.workers.helper_process import ALONE, SecondProcess
 
 PAPERS = ("vasylyev2003", "volovyk2022", "volovyk2018", "kychak2011", "glistin", "madap")
 SEED = 2026
@@ -25,12 +25,12 @@ def chosen(papers: Iterable[str]) -> tuple[str, ...]:
 
 def claims_of(paper: str) -> tuple[Any, ...]:
     """The claims of one paper."""
-    return tuple(import_module(f"sim.claims.{paper}").CLAIMS)
+    return tuple(import_module(f"sim.claims.papers.{paper}.claims").CLAIMS)
 
 
 def plots_of(paper: str, seed: int = SEED) -> tuple[Any, ...]:
     """The figures of one paper, from our own runs."""
-    figures = import_module(f"sim.claims.figures.{paper}").FIGURES
+    figures = import_module(f"sim.claims.papers.{paper}.figures").FIGURES
     return tuple(plot for figure in figures.values() for plot in figure(seed))
 
 
@@ -46,7 +46,7 @@ def measured(
 
     Rows are kept in ``folder`` until the pages are written there: an interrupted ledger goes on where it was stopped.
     """
-    from sim.claims import kept
+    from sim.claims import row_cache as kept
     from sim.claims.ledger import Row
 
     mark = "" if folder is None else kept.stamp(seed, quick)

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from sim.channels import truth_at
-from sim.flight import Flight
-from sim.reporting import style
-from sim.reporting.followed import Followed
-from sim.reporting.plan_view import RUNWAY_LENGTH
-from sim.reporting.quantities import words
-from sim.reporting.thinning import runs
-from sim.signals import height_error
+from sim.flight.loop import Flight
+from sim.metrics.comparison import truth_at
+from sim.metrics.signals import height_error
+from sim.reporting.figures import style
+from sim.reporting.figures.plan_view import RUNWAY_LENGTH
+from sim.reporting.figures.thinning import runs
+from sim.reporting.text.labels import words
+from sim.reporting.tracker_figures.error_curves import Followed
 
 MOST_STATES, MOST_ESTIMATES, MOST_PLOTS = 1200, 500, 1000  # of a flight, of each tracker, of each sensor
 

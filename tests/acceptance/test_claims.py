@@ -17,7 +17,7 @@ import pytest
 
 from sim import claims
 from sim.claims.ledger import measure
-from sim.claims.runs import glistin_tuning
+from sim.claims.papers.glistin import tuning as glistin_tuning
 
 pytestmark = pytest.mark.acceptance
 LISTED = tomllib.loads((Path(__file__).resolve().parents[1] / "papers.toml").read_text())
@@ -121,7 +121,7 @@ def test_madap_against_the_improved_models(row):
 
 @pytest.mark.parametrize("paper", claims.PAPERS)
 def test_every_figure_is_drawn_from_finite_numbers(paper):
-    drawn = import_module(f"sim.claims.figures.{paper}").FIGURES
+    drawn = import_module(f"sim.claims.papers.{paper}.figures").FIGURES
     for name, figure in drawn.items():
         for plot in figure(SEEDS[0]):
             assert plot.figure == name

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from aircraft.model_files import available
-from sim import fleet
+from sim.cli import fleet
 from sim.experiment import fly
-from sim.preparation import prepare
-from sim.scenario import read
-from sim.truths.mls_profile import MlsProfile
+from sim.flight.preparation import prepare
+from sim.flight.truths.mls_profile import MlsProfile
+from sim.scenario.reading import read
 
 pytestmark = pytest.mark.acceptance
 TRANSPORT = 20000.0  # kg, from which an aircraft is one here

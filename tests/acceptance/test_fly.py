@@ -17,9 +17,9 @@ from aircraft.airframe import load
 from aircraft.trim import trim
 from autopilot.analysis import BankReference, predict_kinematic, predict_limited, predict_linear
 from sim.experiment import fly
-from sim.metrics import flight_metrics
-from sim.preparation import prepare
-from sim.scenario import read
+from sim.flight.preparation import prepare
+from sim.metrics.flight import flight_metrics
+from sim.scenario.reading import read
 
 pytestmark = pytest.mark.acceptance
 SEEDS = range(1001, 1021)  # not the seeds on which anything was designed

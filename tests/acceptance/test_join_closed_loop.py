@@ -14,13 +14,13 @@ import pytest
 
 import sim
 from autopilot.modes.lateral_navigation import LateralNavigation
+from sim.estimation.tracking_run import track
 from sim.experiment import fly
-from sim.metrics import flight_metrics
-from sim.navigated import navigated
-from sim.observation import observe
-from sim.preparation import prepare
-from sim.scenario import read
-from sim.trackers import track
+from sim.flight.preparation import prepare
+from sim.metrics.flight import flight_metrics
+from sim.metrics.navigation import navigated
+from sim.observation.record import observe
+from sim.scenario.reading import read
 from tests.tracking.law_truth import CROSS_TRACK, LINE, NOMINAL, noise_factor
 from tracking.gaussian import Gaussian
 from tracking.intervals import mean_interval, proportion

@@ -13,11 +13,11 @@ from functools import cache
 import numpy as np
 import pytest
 
+from sim.estimation.tracking_run import track
 from sim.experiment import fly
-from sim.observation import observe
-from sim.preparation import prepare
-from sim.scenario import read
-from sim.trackers import track
+from sim.flight.preparation import prepare
+from sim.observation.record import observe
+from sim.scenario.reading import read
 from tracking.intervals import mean_interval
 
 pytestmark = pytest.mark.acceptance

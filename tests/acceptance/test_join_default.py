@@ -16,13 +16,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from sim import channels
+from sim.estimation.setup import chart_height
+from sim.estimation.tracking_run import track
 from sim.experiment import fly
-from sim.observation import observe
-from sim.preparation import prepare
-from sim.scenario import read
-from sim.tracker_setup import chart_height
-from sim.trackers import track
+from sim.flight.preparation import prepare
+from sim.metrics import comparison as channels
+from sim.observation.record import observe
+from sim.scenario.reading import read
 from tracking.intervals import gain
 
 pytestmark = pytest.mark.acceptance

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import sim
-from sim import channels
-from sim.tracker_setup import chart_height
+from sim.estimation.setup import chart_height
+from sim.metrics import comparison as channels
 from tracking.intervals import gain, mean_interval, proportion, rmse
 
 pytestmark = pytest.mark.acceptance

@@ -10,12 +10,12 @@ import pytest
 from autopilot.design import law_of_frequency
 from autopilot.limit_cycles import caught, least_offset, limited_loop, onset
 from autopilot.route_loop import linear_onset
-from sim.bisection import border
 from sim.experiment import fly
-from sim.metrics import flight_metrics
-from sim.preparation import prepare
-from sim.route_loops import scenario_loop
-from sim.scenario import read
+from sim.flight.linear_model import scenario_loop
+from sim.flight.preparation import prepare
+from sim.metrics.flight import flight_metrics
+from sim.scenario.reading import read
+from sim.studies.bisection import border
 
 pytestmark = pytest.mark.acceptance
 SHARE, OFFSET = "autopilot.frequency_share", "start.cross_track_m"

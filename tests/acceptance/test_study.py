@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.bisection import FAILED
-from sim.scenario import read
-from sim.study_theory import border, predicted_figures
+from sim.scenario.reading import read
+from sim.studies.bisection import FAILED
+from sim.studies.theory import border, predicted_figures
 
 pytestmark = pytest.mark.acceptance
 ROOT = Path(__file__).resolve().parents[2]
@@ -159,8 +159,8 @@ def test_flights_that_cells_share(row, tmp_path):
     flown(tmp_path / "shared", "zmax_mismatch")
     between = resource.getrusage(resource.RUSAGE_CHILDREN)
     probe = (
-        "import sys; from sim import flight_cache; flight_cache.shared = lambda prepared: False\n"
-        "from sim import study; study.study('zmax_mismatch', __import__('pathlib').Path(sys.argv[1]), "
+        "import sys; from sim.studies import flight_cache; flight_cache.shared = lambda prepared: False\n"
+        "from sim.studies import study; study.study('zmax_mismatch', __import__('pathlib').Path(sys.argv[1]), "
         "type('Inline', (), {'submit': lambda s, n, f, *a: vars(s).setdefault('jobs', []).append((n, f, a)), "
         "'finished': lambda s: ((n, f(*a)) for n, f, a in s.jobs), 'close': lambda s: None})())"
     )

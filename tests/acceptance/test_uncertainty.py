@@ -15,11 +15,11 @@ from aircraft.errors import TrimError
 from aircraft.model_files import read as read_model
 from autopilot.design import lateral_gains, longitudinal_gains
 from autopilot.disk_margin import lateral_margin, longitudinal_margin
-from sim import study
-from sim.axes import samples
-from sim.executors import LocalExecutor
-from sim.scenario import read
-from sim.vehicles import operating_point
+from sim.flight.vehicles import operating_point
+from sim.scenario.axes import samples
+from sim.scenario.reading import read
+from sim.studies import study
+from sim.workers.executors import LocalExecutor
 
 pytestmark = pytest.mark.acceptance
 NAME, SAMPLES, SEED = "an26_uncertainty", 256, 1001

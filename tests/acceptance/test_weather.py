@@ -16,10 +16,10 @@ from aircraft.executive import fresh_executive
 from aircraft.turbulence import Turbulence, across_spectrum, along_spectrum
 from aircraft.turbulence_intensity import INTENSITIES, intensity
 from sim.experiment import fly
-from sim.metrics import flight_metrics
-from sim.preparation import prepare
-from sim.scenario import read
-from sim.study_theory import border
+from sim.flight.preparation import prepare
+from sim.metrics.flight import flight_metrics
+from sim.scenario.reading import read
+from sim.studies.theory import border
 
 pytestmark = pytest.mark.acceptance
 FOOT = 0.3048

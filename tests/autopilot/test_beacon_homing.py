@@ -9,7 +9,7 @@ from aircraft.wind import steady_wind
 from autopilot.approach import Approach
 from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, Route
-from sim.vehicles import Initial, PointMassVehicle
+from sim.flight.vehicles import Initial, PointMassVehicle
 
 SPEED = 100.0
 LINE = Leg((0.0, 0.0), (40e3, 0.0), SPEED, 600.0)

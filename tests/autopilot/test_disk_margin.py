@@ -8,7 +8,7 @@ import pytest
 from aircraft.airframe import load
 from autopilot.design import BANK_OVERSHOOT, REFERENCE_SHARE, bank_bandwidth, bank_overshoot, reference_frequency
 from autopilot.disk_margin import FREQUENCIES, Margin, designed_gains, disk_margin, lateral_margin
-from sim.vehicles import operating_point
+from sim.flight.vehicles import operating_point
 
 
 def response(system):

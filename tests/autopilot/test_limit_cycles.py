@@ -19,7 +19,7 @@ from autopilot.design import OperatingPoint, design, law_of_frequency
 from autopilot.inner_loops import InnerLoops
 from autopilot.route import PathDeviation
 from autopilot.route_loop import AILERON, BANK, CROSS_TRACK, CROSS_TRACK_RATE, STEP
-from sim.vehicles import LATERAL, LONGITUDINAL
+from sim.flight.vehicles import LATERAL, LONGITUDINAL
 
 SPEED, FLAPS = 72.0, math.radians(15.0)
 

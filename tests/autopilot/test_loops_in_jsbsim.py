@@ -14,7 +14,7 @@ from autopilot.inner_loops import InnerLoops
 from autopilot.landing import Landing
 from autopilot.route import Leg, Route, pattern_route
 from autopilot.stabilised_gate import StabilisedGate
-from sim.vehicles import Configuration, Initial, JsbsimVehicle, designed
+from sim.flight.vehicles import Configuration, Initial, JsbsimVehicle, designed
 
 BANK = math.radians(15.0)
 AN26 = (Configuration(math.radians(15.0), 0.0, 60.0, 73.0), Configuration(math.radians(38.0), 1.0, 56.0, 70.0))

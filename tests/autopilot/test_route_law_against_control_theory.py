@@ -12,7 +12,7 @@ from aircraft.linearise import linearise
 from aircraft.trim import trim
 from autopilot import analysis, design
 from autopilot.modes.lateral_navigation import LateralNavigation
-from sim.vehicles import LATERAL, LONGITUDINAL
+from sim.flight.vehicles import LATERAL, LONGITUDINAL
 
 G = 9.80665
 PAPER = LateralNavigation(math.radians(0.02), math.radians(0.5), math.radians(20.0), 1250.0, 60.0)

@@ -6,7 +6,7 @@ import pytest
 
 from aircraft.state import Command
 from aircraft.wind import steady_wind
-from sim.vehicles import Configuration, Initial, JsbsimVehicle, PointMassVehicle, designed, designed_point_mass
+from sim.flight.vehicles import Configuration, Initial, JsbsimVehicle, PointMassVehicle, designed, designed_point_mass
 
 FLAPS = math.radians(15.0)
 

@@ -7,9 +7,9 @@ import time
 from dataclasses import replace
 
 from aircraft.state import Controls
-from sim import flight
-from sim.preparation import Prepared, prepare
-from sim.scenario import read
+from sim.flight import loop as flight
+from sim.flight.preparation import Prepared, prepare
+from sim.scenario.reading import read
 
 SPAN, PAIRS = 100.0, 7  # s flown, measured pairs
 

@@ -13,11 +13,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sim import study as studies
-from sim.ensemble import Job, fly
-from sim.executors import LocalExecutor
-from sim.preparation import prepare
-from sim.scenario import read
+from sim.flight.preparation import prepare
+from sim.scenario.reading import read
+from sim.studies import study as studies
+from sim.studies.job import Job, fly
+from sim.workers.executors import LocalExecutor
 
 HERE = Path(__file__).resolve()
 SCENARIO = "an26_turbulence"

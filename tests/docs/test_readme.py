@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 import typer
 
-from sim import catalogue
 from sim.claims import PAPERS
-from sim.cli import app
-from sim.scenario import read
+from sim.cli.commands import app
+from sim.scenario import catalogue
+from sim.scenario.reading import read
 
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"

@@ -9,10 +9,10 @@ import pytest
 from scipy.integrate import quad
 
 from aircraft.state import STANDARD_GRAVITY, AircraftState
-from sim.sensors.downlink import Downlink
-from sim.tables import WindTable
-from sim.truths.base_turn import BaseTurn
-from sim.truths.beacon_homing import BeaconHoming
+from sim.flight.truths.base_turn import BaseTurn
+from sim.flight.truths.beacon_homing import BeaconHoming
+from sim.observation.sensors.downlink import Downlink
+from sim.scenario.tables import WindTable
 from tracking.azimuth_acceleration import horizontal_acceleration
 from tracking.gaussian import Gaussian
 from tracking.measurement import ConvertedPolar

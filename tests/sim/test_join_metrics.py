@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from sim.checks import judge
 from sim.errors import ScenarioError
-from sim.metrics import DECISION_HEIGHT, GLIDE_CAPTURE, flight_metrics
-from sim.tables import Check, Runway
+from sim.metrics.checks import judge
+from sim.metrics.flight import DECISION_HEIGHT, GLIDE_CAPTURE, flight_metrics
+from sim.scenario.tables import Check, Runway
 
 GRAVITY = 9.80665
 RUNWAY = Runway()

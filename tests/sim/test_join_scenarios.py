@@ -13,16 +13,16 @@ import pytest
 
 import sim
 from aircraft.state import AircraftState
-from sim import catalogue
-from sim.components import prior
 from sim.errors import ScenarioError
+from sim.estimation.navigator import _straight
+from sim.estimation.prior import prior
+from sim.estimation.setup import check
 from sim.experiment import fly
-from sim.metrics import flight_metrics
-from sim.navigation import _straight
-from sim.output import plain
-from sim.preparation import prepare
-from sim.scenario import read
-from sim.tracker_setup import check
+from sim.files import plain
+from sim.flight.preparation import prepare
+from sim.metrics.flight import flight_metrics
+from sim.scenario import catalogue
+from sim.scenario.reading import read
 from tracking.gaussian import Gaussian
 
 POINT_MASS = {"aircraft": {"model": "point_mass"}, "checks": []}

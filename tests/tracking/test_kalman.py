@@ -38,7 +38,9 @@ def test_steady_state_is_the_riccati_equation():
     H, R = np.array(POSITION.H), 1e4 * np.eye(2)
     predicted = solve_discrete_are(F.T, H.T, Q, R)
     gain = predicted @ H.T @ np.linalg.inv(H @ predicted @ H.T + R)
-    np.testing.assert_allclose(result.cov[-1, ..., 0], (np.eye(4) - gain @ H) @ predicted, rtol=1e-9, atol=1e-9)
+    # the solver couples the axes by some 1e-12 of its largest entry, how much depends on the processor
+    rounding = 1e-11 * predicted.max()
+    np.testing.assert_allclose(result.cov[-1, ..., 0], (np.eye(4) - gain @ H) @ predicted, rtol=1e-9, atol=rounding)
 
 
 def test_a_shared_accuracy_keeps_one_covariance_for_all_runs():

@@ -13,7 +13,7 @@ from pathlib import Path
 
 def answer(arguments: list[str], folder: str) -> dict[str, object]:
     """Exit code, output and traceback of one command."""
-    from sim.cli import main
+    from sim.cli.commands import main
 
     out, err, trace = io.StringIO(), io.StringIO(), ""
     sys.argv = ["shortfinal", *arguments]

@@ -19,7 +19,7 @@ BUNDLED = ("an26_pattern", "an26_mls_anomalies", "beacon_homing", "orbit_map")
 
 def originals() -> list[dict[str, Any]]:
     """What is bent: the shortest scenario often, some bundled ones."""
-    from sim.catalogue import bundled
+    from sim.scenario.catalogue import bundled
     from tests.hostile.scenario_base import CAPTURE
 
     short = tomllib.loads(CAPTURE)

@@ -1,0 +1,116 @@
+"""The ledger of claims as pages: one for each paper with its figures redrawn, and one for all."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sim.claims import plots_of
+from sim.claims import row_cache as kept
+from sim.claims.ledger import Row
+from sim.claims.plots import Plot
+from sim.claims.table import figure, interval, summary
+from sim.files import staged, write_json
+from sim.reporting.figures import style
+from sim.reporting.text.labels import ABSENT
+from sim.reporting.tracker_figures.tracking_errors import logarithmic
+from sim.workers.helper_process import ALONE, SecondProcess
+
+HEIGHT = 2.4  # in
+LOOKS: dict[str, dict[str, Any]] = {
+    "line": {"linestyle": "-"},
+    "dashed": {"linestyle": (0, style.DASHED)},
+    "dots": {"linestyle": "none", "marker": ".", "markersize": 2.0},
+    "places": {"linestyle": "none", "marker": "^", "markersize": 5.0},
+}
+
+
+def write(folder: Path, rows: Sequence[Row], seed: int, second: SecondProcess = ALONE) -> None:
+    """claims.json, claims.md, claims.html and one page for each paper, all or none."""
+    papers = list(dict.fromkeys(row.paper for row in rows))
+    charts = dict(zip(papers, second.shared(charts_of, [(paper, seed) for paper in papers]), strict=True))
+    with staged(folder) as place:
+        write_json(place / "claims.json", [row.plain() for row in rows])
+        (place / "claims.md").write_text(summary(rows) + "\n", encoding="utf-8")
+        (place / "claims.html").write_text(page("Claims of the papers", rows, {}, seed), encoding="utf-8")
+        for paper in papers:
+            own = [row for row in rows if row.paper == paper]
+            text = page(f"Claims of {paper}", own, {paper: charts[paper]}, seed)
+            (place / f"{paper}.html").write_text(text, encoding="utf-8")
+    (folder / kept.FILE).unlink(missing_ok=True)
+
+
+def charts_of(paper: str, seed: int) -> list[style.Chart]:
+    """The figures of one paper."""
+    with style.drawing():
+        return [chart(plot) for plot in plots_of(paper, seed)]
+
+
+def page(title: str, rows: Sequence[Row], charts: dict[str, list[style.Chart]], seed: int) -> str:
+    """One self-contained HTML page."""
+    import jinja2
+
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    template = environment.from_string(
+        (resources.files("sim.reporting.templates") / "claims.html").read_text(encoding="utf-8")
+    )
+    counts = Counter(row.verdict for row in rows if row.verdict is not None)
+    told = ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
+    papers = [
+        {"name": paper, "rows": [_row(row) for row in rows if row.paper == paper], "charts": charts.get(paper, [])}
+        for paper in dict.fromkeys(row.paper for row in rows)
+    ]
+    sentence = f"{sum(counts.values())} claims: {told}." if counts else "Measured."
+    return str(template.render(title=title, sentence=sentence, papers=papers, seed=seed))
+
+
+def _row(row: Row) -> dict[str, Any]:
+    claim, judged = row.claim, row.verdict or "measured"
+    unit = f" {claim.unit}" if claim.unit else ""
+    return {
+        "name": claim.name,
+        "words": claim.words,
+        "where": claim.where,
+        "printed": ABSENT if claim.printed is None else claim.printed.text + unit,
+        "paper_runs": claim.paper_runs or ABSENT,
+        "truth": claim.truth,
+        "geometry_by": claim.geometry_by,
+        "verdict": judged,
+        "look": judged.replace(" ", "-"),
+        "note": claim.note,
+        "measured": [
+            {
+                "reading": m.reading,
+                "value": figure(m.value) + unit,
+                "interval": ABSENT if m.low == m.high else interval(m),
+                "runs": ABSENT if m.low == m.high else m.runs,
+            }
+            for m in row.measured
+        ],
+    }
+
+
+def chart(plot: Plot) -> style.Chart:
+    """A figure of a paper, drawn."""
+    drawn, (axes,) = style.panels(HEIGHT * (1.6 if plot.equal else 1.0))
+    colours = iter(style.TRACKERS)
+    for curve in plot.curves:
+        look: dict[str, Any] = LOOKS[curve.look]
+        colour = style.GREY if look["linestyle"] == "none" else next(colours)
+        axes.plot(np.asarray(curve.x), np.asarray(curve.y), color=colour, label=curve.label, **look)
+    if plot.logarithmic:
+        logarithmic(axes)
+    if plot.equal:
+        axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel(plot.x)
+    axes.set_ylabel(plot.y)
+    if len(plot.curves) > 1:
+        axes.legend(loc="best")
+    return style.Chart(f"{plot.figure}: {plot.title}", style.data_uri(drawn), plot.caption)

@@ -1,0 +1,1 @@
+"""Glistin, Panasyuk: the azimuth aided by downlinked load factors."""

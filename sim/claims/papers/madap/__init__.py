@@ -1,0 +1,1 @@
+"""MADAP: the accuracies that an approach monitor is asked for."""

@@ -1,0 +1,184 @@
+"""Vasylyev 2003: linear feedback inside the filter against a saturated control outside it, on one captured line."""
+
+from __future__ import annotations
+
+from sim.claims.ledger import Claim, Reading, counted, flown_too
+from sim.claims.papers.vasylyev2003.experiment import (
+    DELAYS,
+    DENSITY,
+    FAR,
+    GIVEN_GAINS,
+    INSIDE,
+    MODEL,
+    NOISES,
+    OUTSIDE,
+    OWN_GAINS,
+    WRONG,
+    after_delay,
+    better_ahead,
+    crossover,
+    difference_flown,
+    inverse,
+    largest_differences,
+    limits_over_none,
+    linear_over_saturated,
+    linear_over_saturated_flown,
+    looked_ahead,
+    lost_more,
+    lost_share,
+    outside_over_inside,
+    told,
+)
+from sim.claims.verdict import above
+from tracking.intervals import rmse
+
+OURS = "ours"
+GAINS = {"the gains of the model": GIVEN_GAINS, "gains of the aircraft": OWN_GAINS}
+FLOWN = "One JSBSim flight from 5 km beside the line; runs are draws of noise."
+CLAIMS: tuple[Claim, ...] = (
+    *flown_too(
+        Claim(
+            "trajectories_differ",
+            "with limits the captured trajectory differs greatly from the unlimited one",
+            "fig. 3",
+            above(1.0),
+            tuple(
+                Reading(f"from {start:.0f} m", counted(lambda start=start: largest_differences()[start]))
+                for start in FAR
+            ),
+            "sigmas",
+            geometry_by=OURS,
+        ),
+        tuple(Reading(text, counted(lambda name=name: difference_flown(name))) for text, name in GAINS.items()),
+        "Against the double integrator without limits: the bank that it asks for, 100 deg, no aircraft flies.",
+    ),
+    *flown_too(
+        Claim(
+            "linear_feedback_degrades",
+            "the linear-feedback filter loses accuracy sharply once limits act",
+            "fig. 4",
+            above(1.0),
+            tuple(Reading(f"every {t:g} s, q {q:g} m2/s3", limits_over_none(t, q)) for t, q in NOISES),
+            "times",
+            geometry_by=OURS,
+        ),
+        (Reading("from 5 km over from 500 m", outside_over_inside(GIVEN_GAINS)),),
+        FLOWN,
+    ),
+    *flown_too(
+        Claim(
+            "saturated_control_accurate",
+            "where limits act, the filter with the limited control formed outside stays accurate",
+            "fig. 4",
+            above(1.0),
+            tuple(Reading(f"every {t:g} s, q {q:g} m2/s3", linear_over_saturated(OUTSIDE, t, q)) for t, q in NOISES),
+            "times less RMSE",
+            geometry_by=OURS,
+        ),
+        tuple(Reading(text, linear_over_saturated_flown(OUTSIDE, name)) for text, name in GAINS.items()),
+        f"{FLOWN} Roll lag and the course motion cost saturated control next to nothing.",
+    ),
+    *flown_too(
+        Claim(
+            "breaks_of_tracking",
+            "large deviations can break the tracking of the linear-feedback filter",
+            "introduction, conclusions",
+            above(0.0),
+            tuple(Reading(f"from {start:.0f} m", lost_more(start)) for start in FAR),
+            "of the runs",
+            geometry_by=OURS,
+        ),
+        tuple(Reading(text, lost_more(OUTSIDE, name)) for text, name in GAINS.items()),
+        FLOWN,
+    ),
+    *flown_too(
+        Claim(
+            "less_uncertain_prediction",
+            "knowing the law makes the predicted position less uncertain",
+            "introduction",
+            above(1.0),
+            tuple(Reading(f"{ahead:.0f} s ahead", better_ahead(ahead)) for ahead in (60.0, 20.0, 120.0)),
+            "times less RMSE",
+            geometry_by=OURS,
+        ),
+        tuple(
+            Reading(f"{ahead:.0f} s ahead, {text}", better_ahead(ahead, name))
+            for text, name in GAINS.items()
+            for ahead in (60.0, 20.0, 120.0)
+        ),
+        FLOWN,
+    ),
+    Claim(
+        "inside_the_limits",
+        "where no limit acts, saturated control is worse than linear feedback",
+        "not said",
+        None,
+        (
+            Reading("from 500 m", inverse(linear_over_saturated(INSIDE))),
+            Reading("from 500 m, flown on JSBSim", inverse(linear_over_saturated_flown(INSIDE, GIVEN_GAINS))),
+        ),
+        "times",
+        geometry_by=OURS,
+        overlooked=True,
+        note="The filter does not know that the error, too, is fed back.",
+    ),
+    Claim(
+        "crossover",
+        "start of the capture beyond which saturated control is the better one",
+        "not said",
+        None,
+        (Reading("between 500 and 3000 m", crossover),),
+        "m",
+        geometry_by=OURS,
+        overlooked=True,
+    ),
+    Claim(
+        "told_wrong",
+        "what a wrongly told law costs: the ratio of the gains and z_max matter, the bank limit does not",
+        "not said",
+        None,
+        tuple(Reading(name, told(name)) for name in WRONG),
+        "times",
+        geometry_by=OURS,
+        overlooked=True,
+    ),
+    Claim(
+        "lost_behind_a_gate",
+        "runs lost behind a gate of three sigmas",
+        "not said",
+        None,
+        tuple(
+            Reading(f"{text}, from {start:.0f} m", lost_share(name, start))
+            for name, text in (("linear", "linear feedback"), ("saturated", "saturated control"))
+            for start in (500.0, 1000.0, 1500.0, 2000.0, 3000.0, 8000.0)
+        ),
+        "of the runs",
+        geometry_by=OURS,
+        overlooked=True,
+    ),
+    Claim(
+        "look_ahead",
+        "position 60 s ahead during the capture",
+        "not said",
+        None,
+        (
+            Reading("saturated control", lambda s, n: rmse(looked_ahead(s, n, "saturated", DENSITY, MODEL)[60.0])),
+            Reading("linear feedback", lambda s, n: rmse(looked_ahead(s, n, "linear", DENSITY, MODEL)[60.0])),
+            Reading("no law, 0.3 m2/s3", lambda s, n: rmse(looked_ahead(s, n, "uniform", 0.3, MODEL)[60.0])),
+        ),
+        "m RMSE",
+        geometry_by=OURS,
+        overlooked=True,
+    ),
+    Claim(
+        "accuracy_against_delay",
+        "RMSE of the best filter without a law, smoothed with a fixed lag, over saturated control at once",
+        "not said",
+        None,
+        tuple(Reading(f"{delay:g} s later", after_delay(delay)) for delay in DELAYS),
+        "times",
+        geometry_by=OURS,
+        overlooked=True,
+        note="Where the ratio is above 1, knowing the law is worth more than the delay.",
+    ),
+)

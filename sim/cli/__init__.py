@@ -1,0 +1,1 @@
+"""The command ``shortfinal``: its sub-commands, and the text that each prints."""

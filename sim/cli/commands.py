@@ -1,0 +1,335 @@
+"""The command ``shortfinal``: every verb of the simulation, one sentence for every fault."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from sim.errors import OutputError, ScenarioError, printable
+from sim.workers.blas import one_thread
+
+UsageError: Any = typer.BadParameter.__base__  # typer does not export it
+GOOD, CHECK_FAILED, BAD_INPUT, FLIGHTS_CRASHED, STOPPED = 0, 1, 2, 3, 130
+DEFAULT = "an26_pattern"
+
+app = typer.Typer(
+    name="shortfinal",
+    help="Fly an approach in JSBSim under a bank-limited route autopilot, watch it, track it, judge it. "
+    "Research software, not for operational use.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # plain help, in less than half the time
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Scenario = Annotated[str, typer.Argument(help="A scenario file or the name of a bundled scenario.")]
+Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder to write; default out/NAME.")]
+Sets = Annotated[
+    list[str] | None, typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Replace one value; repeatable.")
+]
+
+
+@app.command()
+def run(
+    scenario: Scenario = DEFAULT,
+    out: Out = None,
+    sets: Sets = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
+    flights: Annotated[int | None, typer.Option(min=1, help="Flights, each with its own turbulence.")] = None,
+    draws: Annotated[int | None, typer.Option(min=1, help="Noise draws of the sensors per flight.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
+) -> None:
+    """Fly, observe, track and report a scenario."""
+    from sim import experiment
+
+    overrides = _overrides(sets, seed=seed, flights=flights, draws=draws)
+    folder, result = experiment.run_to_folder(scenario, overrides, out, progress=_progress())
+    if as_json:
+        typer.echo((folder / "metrics.json").read_text(), nl=False)
+    else:
+        from sim.cli.run_summary import summary
+
+        typer.echo(summary(result.metrics))
+        typer.echo(f"report: {folder / 'report.html'}")
+    raise typer.Exit(_exit_code(result.metrics))
+
+
+Workers = Annotated[
+    int | None, typer.Option("-j", "--workers", min=1, help="Worker processes; default one for each core.")
+]
+Cluster = Annotated[
+    str | None, typer.Option("--cluster", metavar="ADDRESS", help="Fly on a Dask cluster: its scheduler's HOST:PORT.")
+]
+Insecure = Annotated[bool, typer.Option("--insecure", help="Allow a cluster on another machine without TLS.")]
+
+
+@app.command()
+def study(
+    scenario: Annotated[str, typer.Argument(help="A scenario with [study.axes]: a file or a bundled name.")],
+    out: Out = None,
+    workers: Workers = None,
+    sets: Sets = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
+    flights: Annotated[int | None, typer.Option(min=1, help="Flights of every sample of every cell.")] = None,
+    anew: Annotated[bool, typer.Option("--anew", help="Throw away another study that the folder holds.")] = False,
+    cluster: Cluster = None,
+    insecure: Insecure = False,
+) -> None:
+    """Fly a scenario over the axes of its [study] table; what a folder already has of it is not flown again."""
+    from sim.studies import study as studies
+
+    overrides = _overrides(sets, seed=seed, flights=flights)
+    folder = out if out is not None else Path("out") / _study_name(scenario)
+    call = studies.study
+    with _executor(workers, cluster, insecure) as given:
+        _study(folder, lambda **more: call(scenario, folder, overrides=overrides, anew=anew, **given, **more))
+
+
+@app.command()
+def resume(
+    folder: Annotated[Path, typer.Argument(help="The folder of a study that was interrupted.")],
+    workers: Workers = None,
+    anyway: Annotated[bool, typer.Option("--anyway", help="Go on although the versions differ.")] = False,
+    cluster: Cluster = None,
+    insecure: Insecure = False,
+) -> None:
+    """Go on with a study where it was interrupted; the result is that of an uninterrupted one."""
+    from sim.studies import study as studies
+
+    with _executor(workers, cluster, insecure) as given:
+        _study(folder, lambda **more: studies.resume(folder, anyway=anyway, **given, **more))
+
+
+def _study(folder: Path, fly: Any) -> None:
+    from sim.cli.study_summary import study_summary
+
+    try:
+        metrics = fly(progress=_progress())
+    except KeyboardInterrupt:
+        typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}", err=True)
+        raise typer.Exit(STOPPED) from None
+    typer.echo(study_summary(metrics))
+    typer.echo(f"report: {folder / 'report.html'}")
+    crashed = "crashed" in metrics["outcomes"]
+    failed = any(check["passed"] is False for check in metrics["checks"])
+    raise typer.Exit(FLIGHTS_CRASHED if crashed else CHECK_FAILED if failed else GOOD)
+
+
+def _study_name(scenario: str) -> str:
+    from sim.scenario.reading import read
+
+    return read(scenario).name
+
+
+@contextlib.contextmanager
+def _executor(workers: int | None, cluster: str | None, insecure: bool) -> Iterator[dict[str, Any]]:
+    """Where a study flies, and how many workers that costs this machine."""
+    import os
+
+    if cluster is None:
+        from sim.workers.executors import LocalExecutor
+
+        count = workers if workers is not None else os.cpu_count() or 1
+        yield {"executor": LocalExecutor(count), "workers": count}
+        return
+    if workers is not None:
+        raise OutputError("say -j or --cluster, not both: a cluster has its own workers")
+    from sim.workers.cluster import connect
+
+    executor = connect(cluster, insecure)
+    try:
+        yield {"executor": executor, "workers": 0}
+    finally:
+        executor.close()
+
+
+@app.command()
+def claims(
+    papers: Annotated[list[str] | None, typer.Argument(metavar="[PAPER]...", help="Default: all.")] = None,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder for claims.json and the pages.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer runs: wider intervals.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON.")] = False,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
+) -> None:
+    """Measure what the papers claim, and say which claims hold."""
+    from sim import claims as ledger
+    from sim.claims.table import table
+    from sim.files import claim, plain
+    from sim.workers.helper_process import second_process
+
+    chosen = ledger.chosen(papers or ())
+    if out is not None:
+        claim(out, "claims")
+    seed = ledger.SEED if seed is None else seed
+    with second_process(len(chosen) > 1) as second:
+        try:
+            rows = ledger.measured(chosen, seed, quick, _progress(), out, second)
+        except KeyboardInterrupt:
+            typer.echo("stopped" if out is None else "stopped; the rows are kept; the same command goes on", err=True)
+            raise typer.Exit(STOPPED) from None
+        if out is not None:
+            from sim.claims.page import write
+
+            write(out, rows, seed, second)
+    typer.echo(json.dumps(plain([row.plain() for row in rows]), indent=1) if as_json else table(rows))
+    if out is not None and not as_json:
+        typer.echo(f"page: {out / 'claims.html'}")
+
+
+@app.command()
+def validate(file: Scenario, sets: Sets = None) -> None:
+    """Say whether a scenario can be flown, and everything that is wrong with it."""
+    from sim.estimation.setup import check
+    from sim.flight.preparation import prepare
+    from sim.scenario.reading import read
+
+    scenario = read(file, _overrides(sets))
+    check(prepare(scenario))
+    if scenario.study is not None:
+        from sim.studies.study import plan
+
+        plan(scenario)
+    typer.echo(f"{scenario.name}: good")
+
+
+@app.command()
+def new(file: Annotated[Path, typer.Argument(help="The scenario file to make.")]) -> None:
+    """Write a commented scenario to start from."""
+    from importlib import resources
+
+    from sim.scenario.schema import NAME
+
+    name = file.name.removesuffix(".toml").removesuffix(".scenario")
+    if file.suffix != ".toml" or not NAME.fullmatch(name):
+        raise OutputError(f"{file}: name it NAME.toml; a NAME starts with a letter and has letters, digits, _ and -")
+    text = (resources.files("sim.scenario.bundled") / f"{DEFAULT}.toml").read_text()
+    try:
+        with file.open("x") as made:
+            made.write(text.replace(f'"{DEFAULT}"', json.dumps(name)))
+    except FileExistsError:
+        raise OutputError(f"{file}: exists already; choose another name") from None
+    except OSError as error:
+        raise OutputError(f"{file}: cannot be written: {error.strerror}") from None
+    typer.echo(f"wrote {file}; fly it with: shortfinal run {file}")
+
+
+@app.command("list")
+def list_(
+    aircraft: Annotated[bool, typer.Option("--aircraft", help="Aircraft instead of scenarios.")] = False,
+    kinds: Annotated[bool, typer.Option("--kinds", help="Kinds of sensors, trackers, laws.")] = False,
+) -> None:
+    """List the bundled scenarios, or the aircraft, or the kinds that a scenario can name."""
+    if aircraft and kinds:
+        raise ScenarioError("list: say --aircraft or --kinds, not both")
+    from sim.cli.listing import aircraft_lines, kind_lines, scenario_lines
+
+    typer.echo("\n".join(aircraft_lines() if aircraft else kind_lines() if kinds else scenario_lines()))
+
+
+@app.command()
+def explain(scenario: Scenario = DEFAULT, sets: Sets = None) -> None:
+    """Show what a scenario comes to: route, trim, modes, gains, limits, checks."""
+    from sim.cli.explain import explain as told
+    from sim.scenario.reading import read
+
+    typer.echo(told(read(scenario, _overrides(sets))))
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of a scenario file."""
+    from sim.scenario.schema import schema as made
+
+    typer.echo(json.dumps(made(), indent=1))
+
+
+@app.command()
+def doctor() -> None:
+    """Check the installation."""
+    from sim.cli.doctor import examine
+
+    lines, healthy = examine()
+    typer.echo("\n".join(lines))
+    raise typer.Exit(GOOD if healthy else BAD_INPUT)
+
+
+@app.command()
+def export(
+    folder: Annotated[Path, typer.Argument(help="A run folder or a study folder.")],
+    csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
+    parquet: Annotated[bool, typer.Option("--parquet", help="Parquet, for large records.")] = False,
+) -> None:
+    """Write the records of a run, or the flights of a study, for other programs."""
+    from sim.cli.export import export as write
+
+    kinds = [name for name, asked in (("csv", csv), ("parquet", parquet)) if asked]
+    if not kinds:
+        raise OutputError("say which format: --csv or --parquet")
+    for kind in kinds:
+        for path in write(folder, kind):
+            typer.echo(f"wrote {path}")
+
+
+def _overrides(sets: list[str] | None, **named: int | None) -> dict[str, Any]:
+    import tomllib
+
+    overrides: dict[str, Any] = {}
+    for item in sets or []:
+        address, equals, text = item.partition("=")
+        if not equals or not address.strip():
+            raise ScenarioError(f"--set {item}: write it as table.key=value")
+        try:
+            read = tomllib.loads(f"value = {text}")
+        except (ValueError, RecursionError):  # also of a number with thousands of digits
+            read = {}
+        overrides[address.strip()] = read["value"] if len(read) == 1 else text.strip()  # an unquoted word
+    return overrides | {key: value for key, value in named.items() if value is not None}
+
+
+def _progress() -> Any:
+    """A progress bar on a terminal, silence elsewhere."""
+    if not sys.stderr.isatty():
+        return None
+    from sim.cli.progress import bar
+
+    return bar
+
+
+def _exit_code(metrics: dict[str, Any]) -> int:
+    if "crashed" in metrics["flights_summary"]["outcomes"]:
+        return FLIGHTS_CRASHED
+    failed = any(check["passed"] is False for check in metrics["checks"])
+    return CHECK_FAILED if failed else GOOD
+
+
+def main() -> None:
+    """Entry point: faults become sentences on standard error and exit code 2."""
+    one_thread()
+    try:
+        sys.exit(app(standalone_mode=False))
+    except (KeyboardInterrupt, typer.Abort):
+        typer.echo("stopped", err=True)
+        sys.exit(STOPPED)
+    except UsageError as error:
+        told = error.format_message()
+        if "\n" in told:  # nothing was asked, and the help is the answer
+            typer.echo(told)
+        else:
+            command = error.ctx.command_path if error.ctx else app.info.name
+            typer.echo(f"shortfinal: {printable(told).rstrip('.')}; see '{command} -h'", err=True)
+        sys.exit(BAD_INPUT)
+    except (ScenarioError, OutputError) as error:
+        for line in str(error).splitlines():
+            typer.echo(f"shortfinal: {printable(line)}", err=True)
+        sys.exit(BAD_INPUT)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,161 @@
+"""explain(): what a scenario comes to, in plain text: route, trims, modes, gains, limits, checks."""
+
+from __future__ import annotations
+
+import math
+
+from aircraft.airframe import load
+from aircraft.linearise import linearise
+from aircraft.modes import LEVEL_SOURCE, flying_qualities, modes
+from aircraft.trim import TrimError, trim
+from autopilot.analysis import frequency_and_damping
+from autopilot.limit_cycles import caught, least_offset, limited_loop
+from autopilot.modes.lateral_navigation import LateralNavigation
+from autopilot.route_loop import linear_onset, margins
+from sim.cli.run_summary import table
+from sim.flight.departures import in_words
+from sim.flight.linear_model import has_route_loop, scenario_loop
+from sim.flight.preparation import TIME_LIMIT, Prepared, prepare
+from sim.flight.weather import words
+from sim.metrics import windshear
+from sim.scenario.reading import Scenario
+from sim.workers.isolation import apart
+
+
+def explain(scenario: Scenario) -> str:
+    """The text of ``shortfinal explain``; raises ``ScenarioError`` for what cannot be flown."""
+    prepared = prepare(scenario)
+    parts = [_head(prepared), _route(prepared)]
+    if scenario.aircraft.model != "point_mass":
+        parts.append(apart(scenario, TIME_LIMIT, _aircraft, prepared))
+        parts += windshear.outlook(prepared)
+    parts.append(_law(prepared))
+    if scenario.departures:
+        rows = [("the law is left at s", "what no tracker is told")]
+        rows += [(f"{one.at:.0f}", in_words(one)) for one in sorted(scenario.departures, key=lambda one: one.at)]
+        parts.append("\n".join(table(rows, 2)))
+    if scenario.sensors:
+        rows = [("sensor", "measures", "every s")]
+        rows += [(name, ", ".join(s.channels), f"{s.period:.3g}") for name, s in scenario.sensors.items()]
+        parts.append("\n".join(table(rows, 2)))
+    if scenario.checks:
+        rows = [("check", "during", "limit", "source")]
+        rows += [(c.name or c.metric, _during(c.during), _limits(c), c.source) for c in scenario.checks]
+        parts.append("\n".join(table(rows, 4)))
+    parts += [f"warning: {warning}" for warning in prepared.warnings]
+    return "\n\n".join(parts)
+
+
+def _head(prepared: Prepared) -> str:
+    s = prepared.scenario
+    mass = f", {s.aircraft.mass:.0f} kg" if s.aircraft.mass else ""
+    return f"{s.name}: {s.aircraft.model}{mass}; {'; '.join(words(s.wind))}; seed {s.seed}"
+
+
+def _route(prepared: Prepared) -> str:
+    rows = [("leg", "course deg", "length m", "speed m/s", "height m", "turn at m to go")]
+    for number, leg in enumerate(prepared.route.legs):
+        turn = "-"
+        if number + 1 < len(prepared.route.legs):
+            turn = f"{prepared.route.turn(number, leg.speed, prepared.law.bank_limit).entry:.0f}"
+        course = math.degrees(leg.course) % 360
+        rows.append((str(number), f"{course:.1f}", f"{leg.length:.0f}", f"{leg.speed:.1f}", f"{leg.height:.0f}", turn))
+    landing = prepared.autopilot.landing
+    end = ""
+    if landing is not None:
+        end = (
+            f"\nglide path {math.degrees(landing.glide_path):.2f} deg at {landing.approach_speed:.1f} m/s, "
+            f"flaps {math.degrees(landing.flaps):.0f} deg"
+        )
+    return "\n".join(table(rows, 0)) + end
+
+
+def _aircraft(prepared: Prepared) -> str:
+    choice = prepared.scenario.aircraft
+    airframe = load(choice.model, choice.mass, choice.centre_of_gravity_mac, choice.factors)
+    landing, legs = prepared.autopilot.landing, prepared.route.legs
+    conditions = [(leg.speed, prepared.autopilot.flaps, 0.0, 0.0, leg.height) for leg in legs]
+    if landing is not None:
+        conditions.append((landing.approach_speed, landing.flaps, 1.0, -landing.glide_path, 0.5 * legs[-1].height))
+    trims = [("speed m/s", "flaps deg", "path deg", "alpha deg", "throttle", "elevator")]
+    natural = [("speed m/s", "mode", "frequency rad/s", "damping", "time s")]
+    grades = [("speed m/s", "requirement", "value", "level")]
+    for speed, flaps, gear, path, height in dict.fromkeys(conditions):
+        try:
+            steady = trim(airframe, speed, path, height, flaps, gear)
+            linear = linearise(airframe, steady)
+            found = modes(linear)
+        except (TrimError, ValueError) as error:
+            trims.append((f"{speed:.1f}", str(error), "", "", "", ""))
+            continue
+        controls = steady.controls
+        angles = [f"{math.degrees(x):.2f}" for x in (flaps, path, steady.initial.angle_of_attack)]
+        trims.append((f"{speed:.1f}", *angles, f"{controls.throttle:.3f}", f"{controls.elevator:+.3f}"))
+        for mode in found:
+            paired = mode.root.imag != 0.0
+            own = (f"{mode.natural_frequency:.3f}", f"{mode.damping:.3f}") if paired else ("-", "-")
+            natural.append((f"{speed:.1f}", mode.name, *own, f"{mode.time_constant:.2f}"))
+        for verdict in flying_qualities(linear):
+            asked = verdict.requirement
+            name = f"{asked.mode} {asked.quantity}".replace("_", " ")
+            value = "no" if math.isinf(verdict.value) else f"{verdict.value:.3g} {asked.unit}".strip()
+            grades.append((f"{speed:.1f}", name, value, str(verdict.level) if verdict.level < 4 else "none"))
+    return "\n\n".join(
+        (
+            "trim, engines and controls as shares of full travel\n" + "\n".join(table(trims, 0)),
+            "modes of the bare aircraft; time = to change e-fold, negative where it grows\n"
+            + "\n".join(table(natural, 2)),
+            f"levels by {LEVEL_SOURCE}\n" + "\n".join(table(grades, 2)),
+        )
+    )
+
+
+def _law(prepared: Prepared) -> str:
+    law, bank_limit = prepared.law, math.degrees(prepared.law.bank_limit)
+    if not isinstance(law, LateralNavigation):
+        return (
+            f"bank = c{{k3 c3{{eps}} - k4 dpsi}} [Vasylyev 2003, eq. (5)]: k3 {law.k3:.3g}, k4 {law.k4:.3g}, "
+            f"bank limit {bank_limit:.1f} deg, bearing limit {math.degrees(law.bearing_limit):.2f} deg, "
+            f"on the {law.course}"
+        )
+    frequency, damping = frequency_and_damping(law)
+    return (
+        f"bank = c{{-k1 c1{{z}} - k2 c2{{z'}}}} [Vasylyev 2003, eq. (4)]: k1 {math.degrees(law.k1):.4f} deg/m, "
+        f"k2 {math.degrees(law.k2):.3f} deg/(m/s)\n"
+        f"limits: bank {bank_limit:.1f} deg, cross-track {law.cross_track_limit:.0f} m, rate "
+        f"{law.cross_track_rate_limit:.1f} m/s; intercept speed {law.intercept_speed:.1f} m/s\n"
+        f"inside the limits: {frequency:.3f} rad/s, damping {damping:.2f}; bank loop "
+        f"{prepared.designed.bank_bandwidth:.2f} rad/s"
+    ) + (f"\n{_route_loop(prepared, law)}" if has_route_loop(prepared) else "")
+
+
+def _route_loop(prepared: Prepared, law: LateralNavigation) -> str:
+    """Margins of the loop that the law closes on its first leg, and the oscillation that its limits can sustain."""
+    loop = apart(prepared.scenario, TIME_LIMIT, scenario_loop, prepared)
+    found, linear = margins(loop, law), linear_onset(loop, law.bank_limit)
+    limited = limited_loop(loop, law.bank_limit, prepared.autopilot.roll_rate_limit)
+    offset = least_offset(limited, law)
+    text = (
+        f"sampled loop: gain margin {found.gain:.2f}, phase margin {math.degrees(found.phase):.0f} deg; laws from "
+        f"{linear:.2f} rad/s ({linear / loop.bandwidth:.2f} of the bank loop) are unstable\nlimit cycle by theory: "
+    )
+    if math.isinf(offset):
+        return f"{text}none, every oscillation fades"
+    begun = f"caught from {offset:.1f} m beside the leg at rest" if offset else "whatever the start"
+    cycle = caught(limited, law, offset)
+    if cycle is None:
+        return f"{text}{begun}, without an amplitude of its own"
+    bank = math.degrees(cycle.bank)
+    stops = f"; slower than that: it asks for {cycle.aileron:.1f} of the full aileron" if cycle.aileron > 1.0 else ""
+    return (
+        f"{text}{begun}; bank {bank:.1f} deg, period {cycle.period:.1f} s, cross-track {cycle.cross_track:.1f} m{stops}"
+    )
+
+
+def _during(during: str | tuple[str, ...]) -> str:
+    return during if isinstance(during, str) else ", ".join(during)
+
+
+def _limits(check: object) -> str:
+    low, high = check.min, check.max
+    return " ".join(f"{sign} {value:g}" for sign, value in ((">=", low), ("<=", high)) if value is not None)

@@ -1,0 +1,158 @@
+"""The records of a run or a study as tables for other programs: comma-separated values, or Parquet."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import itertools
+import zipfile
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sim.errors import OutputError
+from sim.files import MARK, staged
+from sim.studies.folder import IDENTITY, read_log
+
+RECORDS = ("flight", "measurements", "tracks")
+ANGLES = ("azimuth", "elevation", "bearing", "course", "bank", "heading", "turn", "path_angle")  # others are lengths
+PER_TIME = {"_rate": "ps", "_speed": "ps", "_acceleration": "ps2"}  # how a channel's name ends -> how its unit does
+Columns = dict[str, np.ndarray]
+
+
+def export(folder: Path, kind: str) -> list[Path]:
+    """Write the records of a folder beside themselves, ``kind`` csv or parquet; returns the files written.
+
+    A run gives one file for the flight, each sensor and each tracker; sensors and trackers have one row for each epoch
+    and noise draw. A study gives one file with a row for each flight. Numbers are written in full; what is absent is an
+    empty cell, or null. Raises ``OutputError`` in one sentence for a folder that holds neither, or a record that is
+    missing or damaged.
+    """
+    write = WRITERS[kind]
+    if kind == "parquet":
+        _require_pyarrow()
+    tables = {f"{name}.{kind}": table for name, table in _tables(folder).items()}
+    with staged(folder) as place:
+        for name, table in tables.items():
+            write(place / name, table)
+    return [folder / name for name in tables]
+
+
+def _tables(folder: Path) -> dict[str, Columns]:
+    """Every table of a folder by its name."""
+    if not folder.is_dir():
+        raise OutputError(f"{folder}: no such folder; name the folder that 'shortfinal run' or 'study' wrote")
+    if not (folder / MARK).is_file():
+        raise OutputError(f"{folder}: not a run folder; name one that 'shortfinal run' or 'study' wrote")
+    if (folder / IDENTITY).is_file():
+        return {"flights": _flights(folder)}
+    return {
+        f"{record}.{group}" if group else record: _table(arrays)
+        for record in RECORDS
+        for group, arrays in _groups(_load(folder / f"{record}.npz")).items()
+    }
+
+
+def _flights(folder: Path) -> Columns:
+    """One row for each finished flight of a study: what was varied, how it ended, every figure."""
+    from sim.studies.metrics import scalars
+
+    rows: list[dict[str, Any]] = [
+        {
+            **{name: record[name] for name in ("cell", "sample", "flight")},
+            **record["values"],
+            "outcome": record["metrics"]["outcome"],
+            **dict(scalars(record["metrics"])),
+        }
+        for record in read_log(folder)
+    ]
+    if not rows:
+        raise OutputError(f"{folder}: the study has no finished flight yet")
+    rows.sort(key=lambda row: (row["cell"], row["sample"], row["flight"]))
+    names = dict.fromkeys(name for row in rows for name in row)
+    return {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
+
+
+def _load(path: Path) -> Columns:
+    if not path.is_file():
+        raise OutputError(f"{path}: missing; run the scenario again")
+    try:
+        with path.open("rb") as file, np.load(file) as arrays:
+            return dict(arrays.items())
+    except (OSError, ValueError, TypeError, EOFError, RuntimeError, MemoryError, zipfile.BadZipFile, zlib.error):
+        raise OutputError(f"{path}: damaged; run the scenario again") from None
+
+
+def _groups(arrays: Columns) -> dict[str, Columns]:
+    """Arrays by what stands before the last dot of their name, which is the sensor or the tracker."""
+    groups: dict[str, Columns] = {}
+    for name, array in arrays.items():
+        group, _, own = name.rpartition(".")
+        groups.setdefault(group, {})[own] = array
+    return groups
+
+
+def _table(arrays: Columns) -> Columns:
+    """Columns of equal length: what has one value at each instant, and channels spread over their noise draws."""
+    count = len(arrays["time_s"])
+    columns = {name: array for name, array in arrays.items() if array.shape == (count,)}
+    for name in columns:
+        names = arrays.get(f"{name}s")
+        if names is not None and names.dtype.kind == "U":
+            columns[name] = names[columns[name]]
+    channels = [str(channel) for channel in arrays.get("channels", ())]
+    values = next((arrays[name] for name in ("z", "mean") if name in arrays), None)
+    if values is None:
+        return columns
+    draws = values.shape[2]
+    columns = {name: np.repeat(column, draws) for name, column in columns.items()}
+    columns["draw"] = np.tile(np.arange(draws), count)
+    sigma = np.broadcast_to(arrays["sigma"], values.shape)
+    for row, channel in enumerate(channels):
+        columns[with_unit(channel)] = values[:, row].ravel()
+        columns[with_unit(f"{channel}_sigma")] = sigma[:, row].ravel()
+    return columns
+
+
+def with_unit(channel: str) -> str:
+    """The channel, or its standard deviation, with the SI suffix of its quantity."""
+    plain = channel.removesuffix("_sigma")
+    if "load_factor" in plain:
+        return channel
+    quantity = "rad" if any(angle in plain for angle in ANGLES) else "m"
+    per_time = next((suffix for ending, suffix in PER_TIME.items() if plain.endswith(ending)), "")
+    return f"{channel}_{quantity}{per_time}"
+
+
+def _write_csv(path: Path, columns: Columns) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*(_cells(column) for column in columns.values()), strict=True))
+
+
+def _cells(column: np.ndarray) -> Iterator[object]:
+    """Plain Python values, an empty cell for NaN."""
+    if column.dtype.kind != "f":
+        return iter(column.tolist())
+    absent = np.isnan(column)
+    return itertools.chain("" if gone else value for value, gone in zip(column.tolist(), absent.tolist(), strict=True))
+
+
+def _require_pyarrow() -> None:
+    if importlib.util.find_spec("pyarrow") is None:
+        raise OutputError("--parquet needs pyarrow: pip install 'shortfinal[parquet]'")
+
+
+def _write_parquet(path: Path, columns: Columns) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    arrays = {name: pyarrow.array(column, from_pandas=True) for name, column in columns.items()}  # NaN is null
+    parquet.write_table(pyarrow.table(arrays), path)
+
+
+WRITERS = {"csv": _write_csv, "parquet": _write_parquet}

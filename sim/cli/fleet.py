@@ -1,0 +1,248 @@
+"""The fleet: every aircraft of JSBSim through the one recipe, each in a worker process that it may take with it.
+
+``python -m sim.cli.fleet`` writes two tables that travel with the package: what stock models say of their own speeds
+(``aircraft/models/stock.toml``) and how each of them flew (``sim/cli/fleet.toml``); with names it renews their rows.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+import tomllib
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from aircraft.errors import FlightError, ModelError, TrimError
+from sim.errors import ScenarioError, did_you_mean
+from sim.scenario import toml_writer as toml
+from sim.workers.executors import LocalExecutor, Lost
+
+TABLE = Path(__file__).parent / "fleet.toml"
+TIME_LIMIT = 240.0  # s of one aircraft
+OFFSET = 3000.0  # m, from which the line is captured
+SPEED_MARGIN = 1.02  # of the manoeuvring speed over the least for which the flaps are set
+TURN_ROOM = 2.5  # radii of the turns between downwind and final
+RESERVE = 1500.0  # m of final between the last turn and the glide path
+HEAD = (
+    "# Written by `make fleet`: stock aircraft of JSBSim through the recipe of the An-26, nothing set by hand.\n"
+    "# Speeds follow from the slowest level flight of each model. Measured under the versions below.\n"
+)
+
+
+# ---- what an aircraft is asked to fly ----------------------------------------------------------------------------
+
+
+def speeds(settings: Sequence[Any]) -> tuple[float, float]:
+    """(manoeuvring, approach) speed, m/s, from the flap settings of an aircraft."""
+    from sim.flight.preparation import MANOEUVRE_MARGIN, REFERENCE_ADDITION, REFERENCE_MARGIN
+
+    ordered = sorted(settings, key=lambda setting: setting.flaps)
+    approach = REFERENCE_MARGIN * ordered[-1].stall_speed + REFERENCE_ADDITION
+    return max(SPEED_MARGIN * MANOEUVRE_MARGIN * ordered[len(ordered) // 2].stall_speed, approach), approach
+
+
+def route_capture(model: str, speed: float) -> dict[str, Any]:
+    """Tables of a scenario that captures one line from ``OFFSET``, as ``route_capture`` does with the An-26."""
+    duration = 120.0 + 3.0 * OFFSET / speed
+    leg = {"from_m": [0, 0], "to_m": [speed * (duration + 60.0), 0], "speed_mps": speed, "height_m": 600}
+    return {
+        "name": "fleet_route_capture",
+        "until_s": duration,
+        "draws": 1,
+        "aircraft": {"model": model},
+        "start": {"leg": 0, "cross_track_m": OFFSET},
+        "route": {"kind": "legs", "legs": [leg]},
+    }
+
+
+def straight_in(model: str, speed: float, approach: float) -> dict[str, Any]:
+    """Tables of a scenario that begins on a long final and lands; distances grow with the radius of the turns."""
+    from aircraft.state import STANDARD_GRAVITY
+    from autopilot.landing import Landing
+    from sim.scenario.tables import AutopilotTable, PatternTable, Runway
+
+    pattern, slope = PatternTable(), math.tan(Runway().glide_path)
+    radius = speed * speed / (STANDARD_GRAVITY * math.tan(AutopilotTable().bank_limit))
+    bend = speed * speed * slope / (Landing.capture_load_factor * STANDARD_GRAVITY)
+    straight = pattern.height / slope + 0.5 * bend + RESERVE
+    return {
+        "name": "fleet_straight_in",
+        "draws": 1,
+        "aircraft": {"model": model},
+        "start": {"phase": "final", "distance_m": straight},
+        "route": {
+            "kind": "pattern",
+            "downwind_abeam_m": max(pattern.downwind_abeam, TURN_ROOM * radius),
+            "base_distance_m": straight + radius,
+            "downwind_speed_mps": speed,
+            "turn_speed_mps": speed,
+            "approach_speed_mps": approach,
+        },
+    }
+
+
+# ---- what it answers, in its worker process ----------------------------------------------------------------------
+
+
+def described(model: str) -> dict[str, Any]:
+    """Flap settings and slowest speeds of a model by trims, or the reason why there are none."""
+    from aircraft.airframe import load
+    from aircraft.slowest import flap_settings as measured
+    from aircraft.slowest import why_not
+
+    try:
+        settings = measured(model)
+        told = {"repairs": list(load(model).repairs)}
+        if not settings:
+            return told | {"reason": why_not(load(model))}
+    except (ModelError, FlightError, TrimError) as error:
+        return {"reason": _reason(error)}
+    return told | {
+        "flap_settings": [
+            {"flaps_deg": round(math.degrees(s.flaps), 2), "slowest_mps": round(s.stall_speed, 2)} for s in settings
+        ]
+    }
+
+
+def flown(model: str) -> dict[str, Any]:
+    """The capture of a line and the straight-in approach of an aircraft, and its modes, as a plain table."""
+    from aircraft.airframe import load
+    from aircraft.slowest import complete
+
+    try:
+        airframe, known = load(model), complete(model)
+        manoeuvre, approach = speeds(known.flap_settings)
+        manoeuvre, approach = max(round(manoeuvre, 1), math.ceil(10.0 * approach) / 10.0), round(approach, 1)
+    except (ModelError, FlightError, TrimError) as error:
+        return {"reason": _reason(error)}
+    told: dict[str, Any] = {
+        "mass_kg": round(airframe.mass),
+        "speed_mps": manoeuvre,
+        "approach_speed_mps": approach,
+    }
+    for name, tables in (
+        ("route_capture", route_capture(model, manoeuvre)),
+        ("straight_in", straight_in(model, manoeuvre, approach)),
+    ):
+        try:
+            told |= _flight(name, tables)
+        except (ScenarioError, ValueError, FlightError) as error:
+            told[name] = {"outcome": "refused", "reason": _reason(error)}
+    return told
+
+
+def _flight(name: str, tables: dict[str, Any]) -> dict[str, Any]:
+    from sim.experiment import fly
+    from sim.flight.preparation import prepare
+    from sim.metrics.flight import flight_metrics
+    from sim.scenario.reading import read
+
+    prepared = prepare(read(tables))
+    flight = fly(prepared, 0)
+    m = flight_metrics(flight, prepared.scenario.runway, prepared.law.bank_limit)
+    told = {key: m[key] for key in ("outcome", "reason", "bank_max_deg", "overshoot_m", "height_error_rms_final_m")}
+    touchdown = (
+        {f"touchdown_{key}": m["touchdown"][key] for key in ("sink_mps", "past_threshold_m")} if m["touchdown"] else {}
+    )
+    modes = _modes(prepared) if name == "route_capture" else {}
+    return {name: {key: round(v, 2) if isinstance(v, float) else v for key, v in (told | touchdown).items()}} | modes
+
+
+def _modes(prepared: Any) -> dict[str, Any]:
+    """Natural frequency and damping of the oscillations, time constants of the rest, on the leg of the capture."""
+    from aircraft.airframe import load
+    from aircraft.linearise import linearise
+    from aircraft.modes import modes
+    from aircraft.trim import trim
+
+    leg = prepared.route.legs[0]
+    airframe = load(prepared.scenario.aircraft.model)
+    try:
+        found = modes(linearise(airframe, trim(airframe, leg.speed, 0.0, leg.height, prepared.autopilot.flaps)))
+    except (ValueError, TrimError) as error:
+        return {"modes": {"reason": str(error)}}
+    return {
+        "modes": {
+            each.name.lower().replace(" ", "_"): [round(each.natural_frequency, 3), round(each.damping, 3)]
+            if each.root.imag
+            else [round(each.time_constant, 2)]
+            for each in found
+        }
+    }
+
+
+def _reason(error: Exception) -> str:
+    """What was said, without the name of the scenario that nobody wrote."""
+    return str(error).splitlines()[0].split("] ", 1)[-1]
+
+
+# ---- all of them -------------------------------------------------------------------------------------------------
+
+
+def answers(
+    ask: Callable[[str], dict[str, Any]], models: Sequence[str], workers: int = 1, time_limit: float = TIME_LIMIT
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Each aircraft and its answer, as they end; one that kills its process or hangs is answered too."""
+    executor = LocalExecutor(workers, time_limit=time_limit)
+    for number, model in enumerate(models):
+        executor.submit(number, ask, model)
+    try:
+        for number, told in executor.finished():
+            yield models[number], {"reason": told.reason} if isinstance(told, Lost) else told
+    finally:
+        executor.close()
+
+
+def write(models: Sequence[str], workers: int = 1) -> None:
+    """Measure stock aircraft and write both tables; rows of others stay, as long as the versions are the same."""
+    from aircraft.slowest import STOCK_TABLE
+    from sim.cli.doctor import versions
+
+    under = {"versions": {key: versions()[key] for key in ("shortfinal", "jsbsim")}}
+    facts = dict(_shown(answers(described, models, workers), len(models)))
+    known = {name: {"flap_settings": facts[name]["flap_settings"]} for name in models if "flap_settings" in facts[name]}
+    others = {name: row for name, row in _kept(STOCK_TABLE, under).items() if name not in facts}
+    STOCK_TABLE.write_text(HEAD + toml.dumps(under | dict(sorted((others | known).items()))))
+    results = dict(_shown(answers(flown, list(known), workers), len(known)))
+    rows = {name: _row(facts[name], results.get(name, {})) for name in models}
+    others = _kept(TABLE, under).get("aircraft", {})
+    TABLE.write_text(HEAD + toml.dumps(under | {"aircraft": dict(sorted((others | rows).items()))}))
+
+
+def _kept(path: Path, under: dict[str, Any]) -> dict[str, Any]:
+    """What a table holds, without its versions; nothing where they are others."""
+    table = tomllib.loads(path.read_text()) if path.is_file() else {}
+    return table if table.pop("versions", None) == under["versions"] else {}
+
+
+def _row(facts: dict[str, Any], result: dict[str, Any]) -> dict[str, Any]:
+    reason = facts.get("reason") or result.get("reason")
+    return {"reason": reason, "repairs": facts.get("repairs") or None} | result
+
+
+def _shown(found: Iterator[tuple[str, dict[str, Any]]], total: int) -> Iterator[tuple[str, dict[str, Any]]]:
+    started = time.monotonic()
+    for number, (name, told) in enumerate(found, 1):
+        capture = told.get("route_capture", {})
+        end = told.get("reason") or capture.get("outcome") or f"{len(told.get('flap_settings', []))} flap settings"
+        print(f"{time.monotonic() - started:6.0f} s  {number}/{total}  {name}: {end}", file=sys.stderr, flush=True)
+        yield name, told
+
+
+def main(names: Sequence[str]) -> None:
+    """Measure the named stock aircraft, or all, into the tables."""
+    from aircraft.model_files import available
+
+    stock = [name for name, origin in available().items() if origin.startswith("stock")]
+    unknown = [name for name in names if name not in stock]
+    if unknown:
+        raise SystemExit(f"no stock aircraft '{unknown[0]}'; {did_you_mean(unknown[0], stock)}")
+    write(names or stock)
+
+
+if __name__ == "__main__":
+    from sim.cli import fleet  # workers find its functions by this name
+
+    fleet.main(sys.argv[1:])

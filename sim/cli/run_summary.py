@@ -1,0 +1,74 @@
+"""The result of a run in a few lines of plain text."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sim.metrics.check_words import broken
+from sim.metrics.conformance import told_in_words
+from sim.metrics.navigation import beside
+
+SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
+
+
+def summary(metrics: dict[str, Any]) -> str:
+    """One sentence on what happened, the trackers, then the checks as an aligned table."""
+    flight = metrics["flight"]
+    lines = [f"{metrics['scenario']}: {flight['reason']} ({flight['duration_s']:.0f} s, seed {metrics['seed']})"]
+    why = (flight.get("navigated") or {}).get("why")
+    lines += [f"why: {why}"] if why else []
+    if metrics["flights"] > 1:
+        outcomes = metrics["flights_summary"]["outcomes"]
+        lines.append(
+            f"{metrics['flights']} flights: " + ", ".join(f"{n} {name}" for name, n in sorted(outcomes.items()))
+        )
+    rows = [
+        (name, channel, figure["rmse"], figure["raw"], figure["gain"])
+        for name, tracker in metrics["trackers"].items()
+        for channel, figure in tracker["overall"].items()
+        if channel in SHOWN or not SHOWN & set(tracker["overall"])
+    ]
+    if rows:
+        header = ("tracker", "channel", "rmse", "raw", "gain")
+        lines += ["", *table([header, *([*row[:2], *map(_number, row[2:])] for row in rows)], 2)]
+    twin = beside(flight)
+    if twin:
+        header = ("beside the same approach", "on the estimate", "on the truth")
+        lines += ["", *table([header, *([name, *map(_number, values)] for name, *values in twin)], 1)]
+    alerts = {name: tracker.get("conformance") for name, tracker in metrics["trackers"].items()}
+    if any(alerts.values()):
+        lines += ["", *(told_in_words(name, found) for name, found in alerts.items() if found)]
+    if metrics["checks"]:
+        header = ("check", "value", "limit", "margin", "")
+        shown = [
+            [check["name"], *(_number(check[key]) for key in ("value", "limit", "margin")), _verdict(check)]
+            for check in metrics["checks"]
+        ]
+        lines += ["", *table([header, *shown], 1)]
+    failed = [check for check in metrics["checks"] if check["passed"] is False]
+    if failed:
+        lines += ["", *map(broken, failed)]
+    lines += [f"warning: {warning}" for warning in metrics["warnings"]]
+    return "\n".join(lines)
+
+
+def _verdict(check: dict[str, Any]) -> str:
+    if check["passed"] is None:
+        return "not flown"
+    return "passed" if check["passed"] else "FAILED"
+
+
+def _number(value: float | str | None) -> str:
+    if isinstance(value, str):
+        return value
+    return "-" if value is None else f"{value:.4g}"
+
+
+def table(rows: list[Any], words: int) -> list[str]:
+    """Aligned columns: the first ``words`` and the last of a table of verdicts to the left, numbers to the right."""
+    widths = [max(len(str(row[i])) for row in rows) for i in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        cells = [f"{c:<{w}}" if i < words else f"{c:>{w}}" for i, (c, w) in enumerate(zip(row, widths, strict=True))]
+        lines.append("  ".join(cells).rstrip())
+    return lines

@@ -1,0 +1,1 @@
+"""Track: records of sensors become ``Track``s, and a tracker may lead the autopilot."""

@@ -1,0 +1,167 @@
+"""A tracker of a scenario with all that the simulation gives it: law, route, radars; never the truth."""
+
+from __future__ import annotations
+
+import dataclasses
+import typing
+from typing import Annotated, Any
+
+from sim.errors import ScenarioError
+from sim.estimation.clutter import AmongFalsePlots
+from sim.flight.preparation import Prepared
+from sim.scenario import catalogue
+from sim.scenario.parameters import GIVEN, construct
+from sim.scenario.reading import TrackerChoice
+from tracking.measurement import DebiasedPolar, LinearMeasurement, Stacked
+
+
+def reads_places(tracker: Any) -> bool:
+    return dataclasses.is_dataclass(tracker) and "measurement" in _given(type(tracker))
+
+
+def adopt(prepared: Prepared, tracker: Any, names: tuple[str, ...]) -> Any:
+    """A caller's tracker; one with a ``measurement`` (an adapted filterpy object, say) reads this scenario's radars."""
+    sensors = {name: prepared.scenario.sensors[name] for name in names}
+    cluttered = _with_clutter(sensors)
+    if cluttered:
+        raise ScenarioError(f"a tracker of the caller cannot listen to '{cluttered[0]}', which has clutter")
+    if not reads_places(tracker):
+        return tracker
+    return dataclasses.replace(tracker, measurement=measurement_model(sensors, chart_height(prepared), "own"))
+
+
+def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, str | None]:
+    """A tracker with what the simulation gives it, and where the law it is told comes from (None = it needs none).
+
+    Raises ``ScenarioError`` where its sensors do not give what it needs.
+    """
+    cls = catalogue.load("trackers", choice.kind)
+    wanted = _given(cls)
+    sensors = {sensor: prepared.scenario.sensors[sensor] for sensor in choice.sensors}
+    supplied: dict[str, Any] = {}
+    law_from = None
+    if choice.law and "law" not in wanted:
+        raise ScenarioError(f"[trackers.{name}.law] kind '{choice.kind}' uses no law")
+    if "law" in wanted:
+        supplied["law"], law_from = _told(prepared.law, name, choice)
+    if "other_law" in wanted:
+        supplied["other_law"] = prepared.other_law
+    if "route" in wanted:
+        supplied["route"] = prepared.route
+    if "measurement" in wanted:
+        places = {s: sensor for s, sensor in sensors.items() if "measured" not in wanted or gives_place(sensor)}
+        supplied["measurement"] = measurement_model(places, chart_height(prepared), name)
+    if "measured" in wanted:
+        supplied["measured"] = tuple(f"{s}.{channel}" for s, sensor in sensors.items() for channel in sensor.channels)
+    if "zero_azimuth" in wanted:
+        radar = next((sensor for sensor in sensors.values() if hasattr(sensor, "zero_azimuth")), None)
+        if radar is None:
+            raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}' needs a sensor that measures an azimuth")
+        supplied["zero_azimuth"] = radar.zero_azimuth
+    missing = [field for field, required in wanted.items() if required and field not in supplied]
+    if missing:
+        raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}' needs {missing[0]}, which no scenario gives")
+    if choice.association is not None and ("measurement" not in wanted or "measured" in wanted):
+        raise ScenarioError(f"[trackers.{name}] association: kind '{choice.kind}' does not track on the ground plane")
+    try:
+        tracker = construct(cls, choice.table, **supplied)
+    except ValueError as error:
+        raise ScenarioError(f"[trackers.{name}] {error}") from None
+    if choice.association is None:
+        if _with_clutter(sensors):
+            raise ScenarioError(
+                f"[trackers.{name}] sensors: '{_with_clutter(sensors)[0]}' has clutter; "
+                'set association = "probabilistic", with it as the only sensor'
+            )
+        return tracker, law_from
+    return AmongFalsePlots(tracker, _cluttered(name, sensors)), law_from
+
+
+def _cluttered(name: str, sensors: dict[str, Any]) -> Any:
+    """The one sensor of a tracker that associates."""
+    radar = next(iter(sensors.values()))
+    if len(sensors) > 1 or not _with_clutter(sensors):
+        raise ScenarioError(
+            f"[trackers.{name}] association: needs exactly one sensor, a radar with clutter above 0; "
+            f"it has {', '.join(sensors)}"
+        )
+    if not radar.detection > 0.0:
+        raise ScenarioError(f"[trackers.{name}] association: its radar never detects the target (detection = 0)")
+    return radar
+
+
+def _with_clutter(sensors: dict[str, Any]) -> list[str]:
+    """Sensors whose looks hold false plots."""
+    return [name for name, sensor in sensors.items() if getattr(sensor, "clutter", 0.0) > 0.0]
+
+
+def _given(cls: type) -> dict[str, bool]:
+    """Fields that the simulation fills, and whether they must be filled."""
+    hints = typing.get_type_hints(cls, include_extras=True)
+    return {
+        field.name: field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+        for field in dataclasses.fields(cls)
+        if typing.get_origin(hints[field.name]) is Annotated and GIVEN in hints[field.name].__metadata__
+    }
+
+
+def gives_place(sensor: Any) -> bool:
+    return sensor.channels == ("north", "east") or sensor.channels[:2] == ("range", "azimuth")
+
+
+def check(prepared: Prepared) -> None:
+    """Build every tracker once, so that what cannot be tracked is told before anything flies."""
+    choices = prepared.scenario.trackers
+    built = {name: build(prepared, name, choice)[0] for name, choice in choices.items()}
+    for name, choice in choices.items():
+        before, chain = choice.handover, [name]
+        while before is not None:
+            if before in chain:
+                raise ScenarioError(
+                    f"[trackers.{name}] handover: goes round in a circle, {' <- '.join([*chain, before])}"
+                )
+            chain.append(before)
+            before = choices[before].handover
+        if choice.handover is not None:
+            lacking = [c for c in built[name].channels if c not in built[choice.handover].channels]
+            if lacking:
+                raise ScenarioError(f"[trackers.{name}] handover: '{choice.handover}' does not estimate {lacking[0]}")
+
+
+def _told(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
+    """The law that flies, or the one that the file tells instead: absolute values (SI) or factors."""
+    changes = {}
+    fields = [field.name for field in dataclasses.fields(law)]
+    for key, value in choice.law.items():
+        attribute = key.removesuffix("_factor")
+        if attribute not in fields:
+            names = ", ".join(f"{field}_factor" for field in fields)
+            raise ScenarioError(f"[trackers.{name}.law] {key}: no such key; allowed: {names}")
+        changes[attribute] = value * getattr(law, attribute) if key.endswith("_factor") else value
+    try:
+        return dataclasses.replace(law, **changes), "told wrong" if changes else "autopilot"
+    except ValueError as error:
+        raise ScenarioError(f"[trackers.{name}.law] {error}") from None
+
+
+def chart_height(prepared: Prepared) -> float:
+    """Height that a radar without elevation takes for granted, m."""
+    return prepared.route.legs[0].height
+
+
+def measurement_model(sensors: dict[str, Any], height: float, name: str) -> Any:
+    """How the plots of sensors become positions."""
+    models: list[Any] = []
+    for sensor_name, sensor in sensors.items():
+        if sensor.channels == ("north", "east"):
+            models.append(LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))))
+        elif sensor.channels[:2] == ("range", "azimuth"):
+            north, east, up = sensor.antenna
+            known = None if "elevation" in sensor.channels else height - up
+            models.append(DebiasedPolar((north, east), sensor.zero_azimuth, known))
+        else:
+            raise ScenarioError(
+                f"[trackers.{name}] sensors: '{sensor_name}' measures {', '.join(sensor.channels)}, "
+                f"which is no position"
+            )
+    return models[0] if len(models) == 1 else Stacked(tuple(models))

@@ -1,0 +1,47 @@
+"""Flights whose crew leaves the autopilot's law at stated times: what is flown instead, and when it showed."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+from autopilot.approach import Approach
+from autopilot.departure import Departing, Displaced, HeldBank
+from sim.flight.loop import Event, Flight
+from sim.scenario.tables import Departure
+
+
+def pilot(autopilot: Approach, beacon: Any, route: Any, departures: tuple[Departure, ...]) -> Approach | Departing:
+    """The autopilot, as long as it is not left; ``beacon`` and ``route`` are the laws of its two modes."""
+    if not departures:
+        return autopilot
+    laws = {"beacon": beacon, "route": route}
+    later = []
+    for one in sorted(departures, key=lambda departure: departure.at):
+        law = laws.get(one.flies)
+        if one.bank is not None:
+            law = HeldBank(one.bank, autopilot.law.bank_limit)
+        elif one.offset is not None:
+            law = Displaced(autopilot.law, one.offset)
+        later.append((one.at, dataclasses.replace(autopilot, law=law)))
+    return Departing(autopilot, tuple(later))
+
+
+def noted(flight: Flight, departures: tuple[Departure, ...]) -> Flight:
+    """The flight with its departures among the events."""
+    if not departures:
+        return flight
+    left = [Event(one.at, "departure", in_words(one)) for one in departures if one.at <= flight.time[-1]]
+    return dataclasses.replace(flight, events=tuple(sorted((*flight.events, *left), key=lambda event: event.time)))
+
+
+def in_words(departure: Departure) -> str:
+    """What is flown from then on."""
+    if departure.bank is not None:
+        side = "right" if departure.bank > 0.0 else "left"
+        held = "wings level" if departure.bank == 0.0 else f"{math.degrees(abs(departure.bank)):.0f} deg to the {side}"
+        return f"flown by hand, {held}"
+    if departure.offset is not None:
+        return f"the law flies {abs(departure.offset):.0f} m {'right' if departure.offset > 0.0 else 'left'} of the leg"
+    return f"the {departure.flies} law flies"

@@ -1,0 +1,30 @@
+"""The linear model of a scenario's route loop, from which margins and limit cycles are predicted."""
+
+from __future__ import annotations
+
+from aircraft import model_files
+from aircraft.actuators import actuator_bandwidth
+from aircraft.airframe import load
+from autopilot.modes.lateral_navigation import LateralNavigation
+from autopilot.route_loop import RouteLoop, route_loop
+from sim.errors import ScenarioError
+from sim.flight.preparation import Prepared
+from sim.flight.vehicles import JsbsimVehicle, operating_point
+
+
+def has_route_loop(prepared: Prepared) -> bool:
+    """Whether a route law flies an aircraft that has inner loops."""
+    return isinstance(prepared.law, LateralNavigation) and isinstance(prepared.vehicle, JsbsimVehicle)
+
+
+def scenario_loop(prepared: Prepared) -> RouteLoop:
+    """The loop that flies the leg on which the flight begins; raises ``ScenarioError`` where there is none."""
+    if not has_route_loop(prepared):
+        name = prepared.scenario.name
+        raise ScenarioError(f"{name}: margins need a JSBSim aircraft under the law 'lateral_navigation'")
+    vehicle, leg = prepared.vehicle, prepared.route.legs[prepared.initial.leg]
+    airframe = load(vehicle.model, vehicle.mass, vehicle.centre_of_gravity_mac, vehicle.factors, vehicle.runway)
+    point = operating_point(airframe, leg.speed, leg.height, prepared.autopilot.flaps, prepared.autopilot.gear)
+    model = model_files.read(vehicle.model)
+    actuators = actuator_bandwidth(model, "aileron"), actuator_bandwidth(model, "rudder")
+    return route_loop(point, prepared.designed, actuators)

@@ -1,0 +1,175 @@
+"""fly(): vehicle and autopilot in closed loop, recorded at 30 Hz until something ends the flight."""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from aircraft.errors import FlightError
+from aircraft.state import AircraftState, Command
+from autopilot.route import PathDeviation, Route
+from sim.flight.outcomes import Judge, Limits
+
+RECORD_STEP = 1.0 / 30.0  # s, of the record and of the autopilot
+GATE_HEIGHT = 300.0  # m; at and below, an approach must be stabilised
+JUDGED = 10  # records between two looks of the judge, who looks at every one close to the ground
+LOW = 15.0  # m
+NEAR_GROUND = 60.0  # m; below, the autopilot runs at twice the rate for the flare
+
+
+class Event(NamedTuple):
+    """Something that happened once."""
+
+    time: float  # s
+    name: str
+    detail: str = ""
+
+
+@dataclass(frozen=True)
+class Flight:
+    """One closed-loop flight; every array has the record's k instants in front."""
+
+    route: Route
+    state: AircraftState  # of arrays (k,)
+    command: Command  # of arrays (k,)
+    leg: np.ndarray  # (k,) int
+    phase: np.ndarray  # (k,) index into phases
+    phases: tuple[str, ...]
+    events: tuple[Event, ...]
+    outcome: str
+    reason: str
+
+    @property
+    def time(self) -> np.ndarray:
+        """(k,) s."""
+        return np.asarray(self.state.time)
+
+    @property
+    def deviation(self) -> PathDeviation:
+        """Deviation from the leg that was active, of arrays (k,)."""
+        s = self.state
+        return self.route.deviation(self.leg, (s.north, s.east), (s.velocity_north, s.velocity_east), s.heading)
+
+    @property
+    def wind(self) -> np.ndarray:
+        """(3, k) m/s north, east, up: the way the air moves, from the velocity over the ground and through the air."""
+        s = self.state
+        return np.array((s.velocity_north, s.velocity_east, s.velocity_up)) - np.array(s.air_velocity)
+
+    def during(self, phases: str | tuple[str, ...]) -> np.ndarray:
+        """(k,) bool: where one of the phases was flown; ``all`` is everywhere, ``gate`` the glide path below 300 m."""
+        wanted = (phases,) if isinstance(phases, str) else phases
+        if "all" in wanted:
+            return np.ones(len(self.time), bool)
+        if "gate" in wanted:
+            rest = tuple(name for name in wanted if name != "gate")
+            return (self.during("glide") & (self.state.height <= GATE_HEIGHT)) | self.during(rest)
+        return np.isin(self.phase, [i for i, name in enumerate(self.phases) if name in wanted])
+
+
+def fly(
+    vehicle: Any,
+    autopilot: Any,
+    initial: Any,
+    wind: Any,
+    limits: Limits,
+    phases: tuple[str, ...],
+    navigator: Any = None,
+) -> Flight:
+    """Fly one flight to its end.
+
+    ``vehicle`` and ``autopilot`` are begun here and stepped by turns: the autopilot sees the state, the vehicle flies
+    the command. With a ``navigator`` the autopilot sees the place that a tracker believes instead of the true one. A
+    flight that diverges is an outcome with its time, never an exception.
+    """
+    body = vehicle.begin(initial, wind)
+    state = vehicle.read(body)
+    seen, sight = state, None
+    if navigator is not None:
+        sight, seen = navigator.begin(state)
+    pilot = autopilot.begin(seen, initial.leg)
+    judge = Judge(limits, autopilot.route)
+    states, commands, pilots, events = [], [], [], []
+    pilot_step, vehicle_step, read = autopilot.step, vehicle.step, vehicle.read
+    half, last = RECORD_STEP / 2, judge.end - 1e-9
+    phase = -1
+    verdict = None
+    with _no_collections():
+        while verdict is None:
+            near_ground = state.height < NEAR_GROUND
+            pilot, command = pilot_step(pilot, seen, half if near_ground else RECORD_STEP)
+            if seen is not state:
+                command = _as_seen(command, state, seen)
+            states.append(state)
+            commands.append(command)
+            pilots.append(pilot)
+            if pilot.phase != phase:
+                phase = pilot.phase
+                events.append(Event(state.time, phases[phase]))
+            if len(states) % JUDGED == 1 or state.height < LOW or state.time >= last or pilot.finished:
+                verdict = judge(state, pilot.leg, pilot.finished)
+            try:
+                if near_ground:
+                    body = vehicle_step(body, command, half)
+                    between = read(body)
+                    if seen is state:
+                        pilot, command = pilot_step(pilot, between, half)
+                    else:
+                        moved = _moved(between, state, seen)
+                        pilot, command = pilot_step(pilot, moved, half)
+                        command = _as_seen(command, between, moved)
+                    body = vehicle_step(body, command, half)
+                else:
+                    body = vehicle_step(body, command, RECORD_STEP)
+                before, state = state, read(body)
+                seen = state
+                if navigator is not None:
+                    sight, seen = navigator.step(sight, before, state)
+            except FlightError as error:
+                verdict = verdict or ("diverged", str(error))
+    outcome, reason = verdict
+    events.append(Event(states[-1].time, outcome, reason))
+    return Flight(
+        autopilot.route,
+        AircraftState(*np.array(states, float).T),
+        Command(*np.array(commands, float).T),
+        np.array([pilot.leg for pilot in pilots]),
+        np.array([pilot.phase for pilot in pilots]),
+        phases,
+        tuple(events),
+        outcome,
+        reason,
+    )
+
+
+@contextlib.contextmanager
+def _no_collections() -> Iterator[None]:
+    """Without the cyclic collector, which would walk over the growing record again and again: a tenth of the time."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
+
+
+def _as_seen(command: Command, state: AircraftState, seen: AircraftState) -> Command:
+    """The command with the height error that the autopilot sees: the inner loops know the true height."""
+    return command._replace(height=command.height + state.height - seen.height)
+
+
+def _moved(now: AircraftState, before: AircraftState, seen: AircraftState) -> AircraftState:
+    """What is seen half a record later: the error of the sight is carried on."""
+    return now._replace(
+        north=now.north + seen.north - before.north,
+        east=now.east + seen.east - before.east,
+        height=now.height + seen.height - before.height,
+        velocity_north=now.velocity_north + seen.velocity_north - before.velocity_north,
+        velocity_east=now.velocity_east + seen.velocity_east - before.velocity_east,
+    )

@@ -1,0 +1,349 @@
+"""prepare(): from a scenario to what flies; everything that can be refused is refused here, before the first step."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from aircraft.airframe import Runway as Place
+from aircraft.airframe import Wind
+from aircraft.data import AircraftData
+from aircraft.errors import FlightError, ModelError, TrimError
+from aircraft.slowest import complete
+from autopilot.approach import PHASES, Approach, Landing
+from autopilot.departure import Departing
+from autopilot.design import RATE_MARGIN, Designed, law_of_frequency
+from autopilot.estimate_lag import softened
+from autopilot.modes.lateral_navigation import LateralNavigation
+from autopilot.modes.radio_beacon import RadioBeacon
+from autopilot.route import Leg, Route, pattern_route
+from autopilot.stabilised_gate import StabilisedGate
+from sim.errors import ScenarioError
+from sim.flight import departures
+from sim.flight.outcomes import Limits
+from sim.flight.vehicles import Configuration, Initial, JsbsimVehicle, PointMassVehicle, designed, designed_point_mass
+from sim.flight.weather import air
+from sim.metrics import checks
+from sim.randomness import Streams
+from sim.scenario.messages import told
+from sim.scenario.reading import Scenario
+from sim.scenario.tables import PatternTable
+from sim.workers.isolation import apart
+
+TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
+MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
+REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
+REFERENCE_ADDITION = 2.5  # m/s over the reference speed, at least
+TOUCHDOWN_SINK, TOUCHDOWN_SPEED = 0.4, 58.0  # m/s: every aircraft touches down at this path angle
+SINK_MARGIN = 1.2  # of the gate over the sink of a fast approach, which is briefed for more than 1000 ft/min [FSF ALAR]
+STARTS = {"downwind": 0, "base": 1, "final": 2}  # phases on which a flight can begin, and their legs
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """All that one flight needs; built once in the parent, flown anywhere."""
+
+    scenario: Scenario
+    autopilot: Approach
+    vehicle: Any
+    initial: Initial
+    limits: Limits
+    designed: Designed
+    warnings: tuple[str, ...]
+
+    @property
+    def pilot(self) -> Approach | Departing:
+        """What flies: the autopilot, and from stated times on what it is left for."""
+        beacon, route = (self.law, self.other_law) if isinstance(self.law, RadioBeacon) else (self.other_law, self.law)
+        return departures.pilot(self.autopilot, beacon, route, self.scenario.departures)
+
+    @property
+    def departure(self) -> float | None:
+        """When the law that trackers are told is first left, s; None = never."""
+        return min((one.at for one in self.scenario.departures), default=None)
+
+    @property
+    def route(self) -> Route:
+        """The route that is flown."""
+        return self.autopilot.route
+
+    @property
+    def law(self) -> Any:
+        """The law that flies it."""
+        return self.autopilot.law
+
+    @property
+    def other_law(self) -> Any:
+        """The law of the autopilot's other mode, as designed: it could be flown instead."""
+        if isinstance(self.law, RadioBeacon):
+            return self.designed.law
+        return _beacon_law({}, self.designed, self.route)
+
+    @property
+    def phases(self) -> tuple[str, ...]:
+        """Names of the phases by index."""
+        return PHASES
+
+    def wind(self, flight: int) -> Wind:
+        """The air of one flight: turbulence has its own stream."""
+        scenario = self.scenario
+        noise = Streams(scenario.seed, flight, 1, "wind").generator("turbulence")
+        return air(scenario.wind, scenario.runway, noise)
+
+
+def prepare(scenario: Scenario) -> Prepared:
+    """Route, law, aircraft and limits of a scenario; raises ``ScenarioError`` with one sentence for each fault."""
+    return apart(scenario, TIME_LIMIT, _prepared, scenario)
+
+
+def _prepared(scenario: Scenario) -> Prepared:
+    faults = checks.refuse_unknown(scenario.checks, PHASES)
+    if faults:
+        raise ScenarioError(told(scenario.name, faults))
+    place = "[aircraft]"
+    try:
+        aircraft = _data(scenario)
+        flaps, landing = _configuration(scenario, aircraft)
+        place = "[route]"
+        route = _route(scenario, landing)
+        place = "[aircraft]"
+        gains = _designed(scenario, route, flaps, landing, aircraft)
+        gains = softened(gains, max(leg.speed for leg in route.legs), scenario.autopilot.estimate_lag)
+        turn_speed = min(leg.speed for leg in route.legs)
+        lead = gains.time_to_roll(turn_speed, scenario.autopilot.roll_rate_limit)
+        route = dataclasses.replace(route, time_to_roll=lead)
+        place = "[autopilot.law]"
+        law = _law(scenario, gains, route)
+        place = "[autopilot]"
+        if landing is not None:
+            landing = dataclasses.replace(landing, sideslip_bank=gains.bank_per_sideslip)
+        autopilot = Approach(
+            route,
+            law,
+            landing,
+            roll_rate_limit=scenario.autopilot.roll_rate_limit,
+            **_decelerations(scenario),
+            flaps=flaps,
+            allow_orbit=scenario.autopilot.allow_orbit,
+            offset=abs(scenario.start.cross_track) if len(route.legs) == 1 else math.inf,
+        )
+        place = "[start]"
+        initial = _initial(scenario, route, flaps, landing)
+        vehicle = _vehicle(scenario, gains)
+        place = "[aircraft]"
+        vehicle.read(vehicle.begin(initial, air(scenario.wind, scenario.runway)))  # it trims, or says why not
+        place = "[[departures]]"
+        limits = Limits(scenario.until, scenario.runway)
+        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, _warnings(scenario, aircraft))
+        _ = prepared.pilot  # it can be left like that, or says why not
+    except (ModelError, TrimError, FlightError, ValueError) as error:
+        raise ScenarioError(told(scenario.name, [f"{place} {error}"])) from None
+    except ArithmeticError as error:
+        raise ScenarioError(f"{scenario.name}: {place} no design is possible with these numbers: {error}") from None
+    return prepared
+
+
+def _decelerations(scenario: Scenario) -> dict[str, float]:
+    """How fast the pattern lets the speed fall, before and on the glide path."""
+    table = scenario.route
+    if not isinstance(table, PatternTable):
+        return {}
+    on_glide_path = table.deceleration if table.glide_deceleration is None else table.glide_deceleration
+    return {"deceleration": table.deceleration, "glide_deceleration": on_glide_path}
+
+
+def _data(scenario: Scenario) -> AircraftData:
+    model = scenario.aircraft.model
+    known = AircraftData("point mass") if model == "point_mass" else complete(model)
+    if model == "point_mass" and scenario.aircraft.factors:
+        raise ModelError("the point mass has no factors")
+    mass = scenario.aircraft.mass
+    if mass is not None and not known.mass_min <= mass <= known.mass_max:
+        raise ModelError(
+            f"mass of {known.title} must lie within {known.mass_min:.0f} and {known.mass_max:.0f} kg, not {mass:.0f} kg"
+        )
+    balance = scenario.aircraft.centre_of_gravity_mac
+    low, high = known.centre_of_gravity_min, known.centre_of_gravity_max
+    if balance is not None and not low <= balance <= high:
+        raise ModelError(f"centre_of_gravity_mac of {known.title} must lie within {low} and {high}, not {balance}")
+    return known
+
+
+def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, Landing | None]:
+    """Flaps before the glide path, and the landing where the route ends in one."""
+    mass = scenario.aircraft.mass or aircraft.reference_mass
+    settings = sorted(aircraft.flap_settings, key=lambda setting: setting.flaps)
+    table = scenario.route
+    slowest = table.turn_speed if isinstance(table, PatternTable) else min(leg.speed for leg in table.legs)
+    enough = [s.flaps for s in settings if MANOEUVRE_MARGIN * aircraft.stall_speed(s.flaps, mass) <= slowest]
+    flaps = enough[0] if enough else settings[-1].flaps if settings else 0.0
+    if not isinstance(table, PatternTable):
+        return flaps, None
+    full = settings[-1].flaps if settings else 0.0
+    speed = table.approach_speed
+    if settings:
+        reference = REFERENCE_MARGIN * aircraft.stall_speed(full, mass)
+        speed = max(speed, reference + REFERENCE_ADDITION)
+    glide_path = scenario.runway.glide_path
+    return flaps, Landing(
+        speed,
+        full,
+        glide_path,
+        touchdown_sink=TOUCHDOWN_SINK * (speed / TOUCHDOWN_SPEED),
+        wheel_height=aircraft.height_of_wheels,
+        gate=StabilisedGate(
+            scenario.autopilot.gate_height,
+            sink=max(StabilisedGate.sink, SINK_MARGIN * speed * math.tan(glide_path)),
+        ),
+    )
+
+
+def _route(scenario: Scenario, landing: Landing | None) -> Route:
+    table, runway = scenario.route, scenario.runway
+    level = table.height if isinstance(table, PatternTable) else max(leg.height for leg in table.legs)
+    wind = scenario.wind.at(level)  # the turns are flown there
+    if isinstance(table, PatternTable):
+        assert landing is not None
+        if not table.downwind_speed >= table.turn_speed >= landing.approach_speed:
+            raise ValueError(
+                f"speeds must fall along the pattern: downwind {table.downwind_speed:.1f}, "
+                f"turn {table.turn_speed:.1f}, approach {landing.approach_speed:.1f} m/s "
+                f"(at least {REFERENCE_MARGIN} of the stall speed and {REFERENCE_ADDITION} m/s)"
+            )
+        return pattern_route(
+            table.side,
+            table.height,
+            table.downwind_abeam,
+            table.base_distance,
+            table.downwind_speed,
+            table.turn_speed,
+            runway.aiming_point,
+            runway.heading,
+            wind,
+        )
+    return Route(tuple(Leg(leg.from_, leg.to, leg.speed, leg.height) for leg in table.legs), wind)
+
+
+def _designed(
+    scenario: Scenario, route: Route, flaps: float, landing: Landing | None, aircraft: AircraftData
+) -> Designed:
+    """The gains: those that travel in the scenario, or a design on the linear model."""
+    if scenario.designed is not None:
+        try:
+            return Designed.from_table(scenario.designed)
+        except KeyError as error:
+            raise ValueError(f"[designed] lacks {error}; take the table out to design anew") from None
+        except (TypeError, ValueError, AttributeError, IndexError):
+            raise ValueError("[designed] cannot be used; take the table out to design anew") from None
+    slowest, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
+    bank_limit = scenario.autopilot.bank_limit
+    choice = scenario.aircraft
+    if choice.model == "point_mass":
+        return designed_point_mass(fastest, bank_limit)
+    if landing is None:
+        wanted = [Configuration(flaps, 0.0, 0.96 * slowest, 1.04 * fastest)]
+    else:
+        final = landing.approach_speed
+        wanted = [
+            Configuration(flaps, 0.0, 1.03 * final, 1.02 * fastest),
+            Configuration(landing.flaps, 1.0, 0.97 * final, 1.02 * slowest),
+        ]
+    return designed(
+        wanted,
+        fastest,
+        bank_limit,
+        max(leg.height for leg in route.legs),
+        choice.model,
+        choice.mass,
+        choice.centre_of_gravity_mac,
+        choice.factors,
+        _place(scenario),
+    )
+
+
+def _law(scenario: Scenario, gains: Designed, route: Route) -> Any:
+    """The law of the design with what the file sets of it."""
+    given, share, bank_limit = scenario.law, scenario.autopilot.frequency_share, scenario.autopilot.bank_limit
+    if share is not None and (scenario.mode == "radio_beacon" or {"k1", "k2"} & given.keys()):
+        raise ValueError("'frequency_share' sets k1 and k2 of the route law: leave them out, or leave it out")
+    if scenario.mode == "radio_beacon":
+        return _beacon_law(given, gains, route)
+    law: LateralNavigation = dataclasses.replace(gains.law, bank_limit=bank_limit)
+    if share is not None:
+        fastest = max(leg.speed for leg in route.legs)
+        law = law_of_frequency(share * gains.bank_bandwidth, fastest, bank_limit)
+    law = dataclasses.replace(law, **given)
+    if "cross_track_rate_limit" not in given:
+        rate = RATE_MARGIN * (law.k1 * law.cross_track_limit + law.bank_limit) / law.k2
+        law = dataclasses.replace(law, cross_track_rate_limit=rate)
+    return law
+
+
+BEACON_DISTANCE = 2000.0  # m; there the stiffness k3/D of the beacon law is that of the designed route law
+
+
+def _beacon_law(given: dict[str, Any], gains: Designed, route: Route) -> RadioBeacon:
+    """Beacon law: stiffness k1 = k3/D, damping k2 = k4/V, intercepts at 30 degrees, where the file is silent."""
+    speed = max(leg.speed for leg in route.legs)
+    k3 = given.get("k3", gains.k1 * BEACON_DISTANCE)
+    k4 = given.get("k4", gains.k2 * speed)
+    limit = given.get("bearing_limit", k4 * math.radians(30.0) / k3)
+    return RadioBeacon(**{**given, "k3": k3, "k4": k4, "bearing_limit": limit, "bank_limit": gains.bank_limit})
+
+
+def _initial(scenario: Scenario, route: Route, flaps: float, landing: Landing | None) -> Initial:
+    start = scenario.start
+    pattern = isinstance(scenario.route, PatternTable)
+    if start.phase is not None and not pattern:
+        raise ValueError("'phase' belongs to a pattern; say 'leg' on a route of legs")
+    if start.phase is not None and start.phase not in STARTS:
+        raise ValueError(f"phase must be one of {', '.join(STARTS)}, not '{start.phase}'")
+    number = STARTS[start.phase] if start.phase is not None else start.leg or 0
+    if not 0 <= number < len(route.legs):
+        raise ValueError(f"leg must lie within 0 and {len(route.legs) - 1}, not {number}")
+    leg = route.legs[number]
+    distance = leg.length if start.distance is None else start.distance
+    along_north, along_east = leg.direction
+    north = leg.end[0] - along_north * distance - along_east * start.cross_track
+    east = leg.end[1] - along_east * distance + along_north * start.cross_track
+    height, angle, gear, speed = leg.height, 0.0, 0.0, leg.speed
+    if landing is not None and number == len(route.legs) - 1:
+        height, slope = landing.path(distance, leg.height, leg.speed)
+        if slope < 0.0:
+            angle, flaps, gear, speed = math.atan(slope), landing.flaps, 1.0, landing.approach_speed
+    height = height if start.height is None else start.height
+    speed = speed if start.speed is None else start.speed
+    return Initial(north, east, height, leg.course, speed, angle, flaps, gear, number)
+
+
+def _place(scenario: Scenario) -> Place:
+    runway = scenario.runway
+    return Place(runway.latitude, runway.longitude, runway.elevation, runway.heading)
+
+
+def _vehicle(scenario: Scenario, gains: Designed) -> Any:
+    choice = scenario.aircraft
+    if choice.model == "point_mass":
+        return PointMassVehicle()
+    return JsbsimVehicle(
+        gains, choice.model, choice.mass, choice.centre_of_gravity_mac, choice.factors, _place(scenario)
+    )
+
+
+def _warnings(scenario: Scenario, aircraft: AircraftData) -> tuple[str, ...]:
+    """What the flight may do although the book advises against it."""
+    north, east = scenario.wind.steady
+    along, across = scenario.runway.from_local(north, east)
+    told = []
+    if scenario.wind.events and scenario.aircraft.model == "point_mass":
+        told.append("the point mass keeps its airspeed in gusts and microbursts: they only carry it along")
+    if along > aircraft.tailwind_limit:
+        told.append(
+            f"tailwind {along:.1f} m/s is above the limit of {aircraft.tailwind_limit:.1f} m/s ({aircraft.title})"
+        )
+    if abs(across) > aircraft.crosswind_limit:
+        limit = aircraft.crosswind_limit
+        told.append(f"crosswind {abs(across):.1f} m/s is above the limit of {limit:.1f} m/s ({aircraft.title})")
+    return tuple(told)

@@ -1,0 +1,172 @@
+"""Checks judge a flight: how far from each limit it stayed, when it came nearest, and where the limit comes from."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.errors import ScenarioError, did_you_mean
+from sim.flight.loop import RECORD_STEP, Flight
+from sim.metrics.signals import MAGNITUDES, SIGNALS
+from sim.scenario.tables import Check, Runway
+
+
+def judge(checks: tuple[Check, ...], flight: Flight, runway: Runway, metrics: dict[str, Any]) -> list[dict[str, Any]]:
+    """The result of every check, as it stands in metrics.json.
+
+    A check whose phases were never flown has ``passed`` None; a scalar that the flight does not have fails.
+    """
+    return [_signal(check, flight, runway) if check.metric in SIGNALS else _scalar(check, metrics) for check in checks]
+
+
+def refuse_unknown(checks: tuple[Check, ...], phases: tuple[str, ...]) -> list[str]:
+    """Faults of checks that name a phase or a metric that no flight has."""
+    faults = []
+    for i, check in enumerate(checks):
+        wanted = (check.during,) if isinstance(check.during, str) else check.during
+        for phase in wanted:
+            if phase not in (*phases, "all", "gate"):
+                faults.append(
+                    f"[[checks]] entry {i} during: no phase '{phase}'; {did_you_mean(phase, (*phases, 'all', 'gate'))}"
+                )
+        known = check.metric in SIGNALS or check.metric in SCALARS or check.metric.startswith("trackers.")
+        if not known:
+            hint = did_you_mean(check.metric, [*SIGNALS, *SCALARS])
+            faults.append(f"[[checks]] entry {i} metric: no metric '{check.metric}'; {hint}")
+    return faults
+
+
+SCALARS = (
+    "landed",
+    "duration_s",
+    "bank_max_deg",
+    "bank_rate_max_degps",
+    "time_saturated_s",
+    "bank_cycle_deg",
+    "bank_cycle_period_s",
+    "overshoot_m",
+    "base_overshoot_m",
+    "settling_s",
+    "cross_track_rms_final_m",
+    "cross_track_at_30_m_m",
+    "cross_track_at_decision_height_m",
+    "height_error_rms_final_m",
+    "height_error_at_decision_height_m",
+    "normal_acceleration_rms_final_mps2",
+    "bank_rate_rms_final_degps",
+    "touchdown.sink_mps",
+    "touchdown.cross_track_m",
+    "touchdown.past_threshold_m",
+    "touchdown.crab_deg",
+    "touchdown.drift_mps",
+    "touchdown.airspeed_mps",
+    "touchdown.bank_deg",
+)
+
+
+def _result(
+    check: Check, limit: float, value: float | None, margin: float | None, time: float | None
+) -> dict[str, Any]:
+    unit = check.metric.rsplit(".", 1)[-1].rsplit("_", 1)[-1] if "_" in check.metric else ""
+    return {
+        "name": check.name or check.metric,
+        "metric": check.metric,
+        "during": check.during if isinstance(check.during, str) else list(check.during),
+        "statistic": check.statistic,
+        "for_s": check.for_,
+        "limit": limit,
+        "value": None if value is None else value + 0.0,
+        "unit": unit,
+        "margin": None if margin is None else margin + 0.0,  # no minus zero
+        "time_s": time,
+        "passed": None if margin is None else margin >= 0,
+        "source": check.source,
+    }
+
+
+def _scalar(check: Check, metrics: dict[str, Any]) -> dict[str, Any]:
+    value = _found(metrics, check.metric.split("."))
+    if value is None and check.metric.startswith("trackers."):
+        raise ScenarioError(f"check of '{check.metric}': no such figure; {_figures(check.metric, metrics)}")
+    limit = check.max if check.max is not None else check.min
+    assert limit is not None
+    if value is None:
+        return _result(check, limit, None, None, None) | {"passed": False}
+    margins = {
+        bound: sign * (bound - float(value)) for bound, sign in ((check.max, 1), (check.min, -1)) if bound is not None
+    }
+    limit = min(margins, key=lambda bound: margins[bound])
+    return _result(check, limit, float(value), margins[limit], None)
+
+
+def _found(table: Any, parts: list[str]) -> Any:
+    """What stands at a path of keys, which may hold points themselves (``radar.azimuth_deg``); None = nothing."""
+    if not parts:
+        return table
+    for count in range(len(parts), 0, -1) if isinstance(table, dict) else ():
+        found = _found(table.get(".".join(parts[:count])), parts[count:])
+        if found is not None:
+            return found
+    return None
+
+
+def _figures(metric: str, metrics: dict[str, Any]) -> str:
+    """What could have been meant by a figure of a tracker."""
+    trackers = metrics.get("trackers", {})
+    name = metric.split(".")[1]
+    if name not in trackers:
+        return did_you_mean(name, trackers)
+    overall = [f"trackers.{name}.overall.{channel}.rmse" for channel in trackers[name]["overall"]]
+    return did_you_mean(metric, overall) if overall else f"tracker '{name}' never saw the aircraft"
+
+
+def _signal(check: Check, flight: Flight, runway: Runway) -> dict[str, Any]:
+    signal = SIGNALS[check.metric](flight, runway)
+    if check.metric in MAGNITUDES and check.min is None:
+        signal = np.abs(signal)
+    window = flight.during(check.during) & np.isfinite(signal)
+    nearest: tuple[float, float, float, float] | None = None  # margin, limit, value, time
+    for limit, sign in ((check.max, 1.0), (check.min, -1.0)):
+        if limit is None:
+            continue
+        for run in _runs(window):
+            found = _worst(sign, signal[run], flight.time[run], check)
+            if found is not None:
+                value, time = sign * found[0], found[1]
+                margin = sign * (limit - value)
+                if nearest is None or margin < nearest[0]:
+                    nearest = (margin, limit, value, time)
+    if nearest is None:
+        limit = check.max if check.max is not None else check.min
+        assert limit is not None
+        return _result(check, limit, None, None, None)
+    return _result(check, nearest[1], nearest[2], nearest[0], nearest[3])
+
+
+def _runs(window: np.ndarray) -> list[slice]:
+    """Unbroken stretches of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], window.astype(np.int8), [0]))))
+    return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _worst(sign: float, signal: np.ndarray, time: np.ndarray, check: Check) -> tuple[float, float] | None:
+    """The largest ``sign`` times the signal that lasted ``for_s``, and when; None where nothing lasted that long."""
+    if check.statistic == "rms":
+        return sign * float(np.sqrt(np.mean(signal**2))), float(time[0])
+    signal = sign * signal
+    if check.statistic == "p95":
+        return float(np.percentile(signal, 95)), float(time[0])
+    if check.statistic == "mean_5_s":
+        width = round(5.0 / RECORD_STEP)
+        if len(signal) < width:
+            return None
+        total = np.concatenate(([0.0], np.cumsum(signal)))
+        signal, time = (total[width:] - total[:-width]) / width, time[width - 1 :]
+    lasting = round(check.for_ / RECORD_STEP) + 1
+    if len(signal) < lasting:
+        return None
+    # value that holds over [t, t + for_s] = the minimum over that window; valid windows only
+    held = np.lib.stride_tricks.sliding_window_view(signal, lasting).min(axis=1)
+    worst = int(np.argmax(held))
+    return float(held[worst]), float(time[worst])

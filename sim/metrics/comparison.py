@@ -1,0 +1,177 @@
+"""Comparison channels: truth and any estimate brought to position, cross-track, height or a sensor's own angles."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sim.flight.interpolation import hermite
+from sim.flight.loop import Flight
+from tracking.measurement import wrap
+
+# unit suffix of a comparison channel and the factor from SI to it
+UNITS = {"azimuth": ("deg", 180 / np.pi), "elevation": ("deg", 180 / np.pi)}
+
+
+class Truth(NamedTuple):
+    """The flight at the epochs of a tracker; k instants."""
+
+    time: np.ndarray  # (k,)
+    position: np.ndarray  # (3, k) m
+    velocity: np.ndarray  # (3, k) m/s
+    leg: np.ndarray  # (k,) leg active in truth
+    phase: np.ndarray  # (k,) index into the flight's phases
+
+
+class Compared(NamedTuple):
+    """One channel of one tracker, or of the raw measurements, against the truth."""
+
+    error: np.ndarray  # (k, d, draws)
+    cov: Any  # (k, d, d, draws or 1); None for raw measurements
+
+
+def truth_at(flight: Flight, time: np.ndarray) -> Truth:
+    """The flight interpolated at ``time`` (k,), cubic between its records."""
+    s = flight.state
+    after = np.clip(np.searchsorted(s.time, time), 1, len(s.time) - 1)
+    before = after - 1
+    position = np.array((s.north, s.east, s.height))
+    velocity = np.array((s.velocity_north, s.velocity_east, s.velocity_up))
+    t0, t1 = s.time[before], s.time[after]
+    share = (time - t0) / (t1 - t0)
+    return Truth(
+        time,
+        hermite(t0, t1, position[:, before], position[:, after], velocity[:, before], velocity[:, after], time),
+        velocity[:, before] * (1 - share) + velocity[:, after] * share,
+        flight.leg[before],
+        flight.phase[before],
+    )
+
+
+def compare(
+    flight: Flight,
+    truth: Truth,
+    components: tuple[str, ...],
+    mean: np.ndarray,
+    cov: np.ndarray,
+    sensors: dict[str, Any],
+) -> dict[str, Compared]:
+    """Errors of estimates (k, n, draws) in every comparison channel that their components allow.
+
+    ``sensors`` are those whose angles an estimate of the position is projected onto.
+    """
+    found: dict[str, Compared] = {}
+    plane = _plane(components, mean, cov, sensors)
+    if plane is not None:
+        error = plane[0] - truth.position[:2].T[:, :, None]
+        found["position_m"] = Compared(error, plane[1])
+        found["cross_track_m"] = _across(flight, truth, error, plane[1])
+    for name, sensor in sensors.items():
+        for quantity in ("range", "azimuth", "elevation"):
+            component = f"{name}.{quantity}"
+            unit, factor = UNITS.get(quantity, ("m", 1.0))
+            if component in components:
+                row = components.index(component)
+                exact = sensor.truth(truth.position)[sensor.channels.index(quantity)]
+                error = mean[:, [row]] - exact[:, None, None]
+                error = wrap(error) if quantity in UNITS else error
+                found[f"{component}_{unit}"] = Compared(factor * error, factor**2 * cov[:, [row]][:, :, [row]])
+            elif quantity == "azimuth" and plane is not None and quantity in sensor.channels:
+                found[f"{component}_{unit}"] = _azimuth(sensor, truth, plane[0], plane[1], factor)
+    if "height" in components:
+        row = components.index("height")
+        found["height_m"] = Compared(mean[:, [row]] - truth.position[2][:, None, None], cov[:, [row]][:, :, [row]])
+    return found
+
+
+def _plane(
+    components: tuple[str, ...], mean: np.ndarray, cov: np.ndarray, sensors: dict[str, Any]
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """North and east (k, 2, draws) with covariance, from a cartesian state or the range and angles of one radar."""
+    if "north" in components and "east" in components:
+        rows = [components.index("north"), components.index("east")]
+        return mean[:, rows], cov[:, rows][:, :, rows]
+    for name, sensor in sensors.items():
+        wanted = [f"{name}.{quantity}" for quantity in ("range", "azimuth", "elevation")]
+        if all(component in components for component in wanted):
+            rows = [components.index(component) for component in wanted]
+            slant, azimuth, elevation = (mean[:, row] for row in rows)
+            bearing = azimuth + sensor.zero_azimuth
+            north, east, _ = sensor.antenna
+            ground, up = slant * np.cos(elevation), slant * np.sin(elevation)
+            c, s = np.cos(bearing), np.sin(bearing)
+            place = np.stack((north + ground * c, east + ground * s), axis=1)
+            # d (north, east) / d (range, azimuth, elevation)
+            J = np.stack((np.cos(elevation) * c, -ground * s, -up * c, np.cos(elevation) * s, ground * c, -up * s), 1)
+            J = J.reshape(len(mean), 2, 3, -1)
+            return place, np.einsum("kijn,kjln,kmln->kimn", J, cov[:, rows][:, :, rows], J)
+    return None
+
+
+def _across(flight: Flight, truth: Truth, error: np.ndarray, cov: Any) -> Compared:
+    """The part of position errors across the leg active in truth, + right."""
+    course = np.array([leg.course for leg in flight.route.legs])[truth.leg]
+    right = np.stack((-np.sin(course), np.cos(course)), axis=1)  # (k, 2)
+    across = np.einsum("ki,kin->kn", right, error)[:, None]
+    spread = None if cov is None else np.einsum("ki,kijn,kj->kn", right, cov, right)[:, None, None]
+    return Compared(across, spread)
+
+
+def _azimuth(sensor: Any, truth: Truth, place: np.ndarray, cov: np.ndarray, factor: float) -> Compared:
+    north, east = (place[:, i] - sensor.antenna[i] for i in (0, 1))
+    exact = sensor.truth(truth.position)[sensor.channels.index("azimuth")]
+    error = wrap(np.arctan2(east, north) - sensor.zero_azimuth - exact[:, None])
+    square = north**2 + east**2
+    slope = np.stack((-east / square, north / square), axis=1)
+    spread = np.einsum("kin,kijn,kjn->kn", slope, np.broadcast_to(cov, (*cov.shape[:3], slope.shape[2])), slope)
+    return Compared(factor * error[:, None], factor**2 * spread[:, None, None])
+
+
+def raw(
+    flight: Flight, truth: Truth, names: tuple[str, ...], z: np.ndarray, sensors: dict[str, Any], chart_height: float
+) -> dict[str, Compared]:
+    """Errors of the measurements themselves (k, m, draws) in the same channels; NaN where nothing was measured."""
+    found: dict[str, Compared] = {}
+    k, _, draws = z.shape
+    plots = np.full((k, 2, draws), np.nan)
+    for name, sensor in sensors.items():
+        rows = {c: names.index(f"{name}.{c}") for c in sensor.channels if f"{name}.{c}" in names}
+        if "north" in rows:
+            seen = z[:, [rows["north"], rows["east"]]]
+            plots = np.where(np.isnan(plots), seen, plots)
+        elif "azimuth" in rows and "range" in rows:
+            slant, bearing = z[:, rows["range"]], z[:, rows["azimuth"]] + sensor.zero_azimuth
+            north, east, up = sensor.antenna
+            if "elevation" in rows:
+                ground = slant * np.cos(z[:, rows["elevation"]])
+            else:  # height from the chart, as its trackers have it
+                ground = np.sqrt(np.maximum(slant**2 - (chart_height - up) ** 2, 0.0))
+            seen = np.stack((north + ground * np.cos(bearing), east + ground * np.sin(bearing)), axis=1)
+            plots = np.where(np.isnan(plots), seen, plots)
+        for quantity in ("range", "azimuth", "elevation"):
+            if quantity in rows:
+                unit, factor = UNITS.get(quantity, ("m", 1.0))
+                error = z[:, rows[quantity]] - sensor.truth(truth.position)[sensor.channels.index(quantity)][:, None]
+                error = wrap(error) if quantity in UNITS else error
+                found[f"{name}.{quantity}_{unit}"] = Compared(factor * error[:, None], None)
+    if np.isfinite(plots).any():
+        error = plots - truth.position[:2].T[:, :, None]
+        found["position_m"] = Compared(error, None)
+        found["cross_track_m"] = _across(flight, truth, error, None)
+    return found
+
+
+def squared(compared: Compared) -> np.ndarray:
+    """Squared length of the errors (k, draws)."""
+    return np.asarray(np.einsum("kdn,kdn->kn", compared.error, compared.error))
+
+
+def normalised(compared: Compared) -> np.ndarray:
+    """Normalised error squared e' P^-1 e (k, draws)."""
+    cov = compared.cov
+    if cov.shape[1] == 1:
+        return np.asarray(compared.error[:, 0] ** 2 / cov[:, 0, 0])
+    a, b, c = cov[:, 0, 0], cov[:, 0, 1], cov[:, 1, 1]
+    x, y = compared.error[:, 0], compared.error[:, 1]
+    return np.asarray((c * x * x - 2 * b * x * y + a * y * y) / (a * c - b * b))

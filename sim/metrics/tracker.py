@@ -1,0 +1,69 @@
+"""How well a tracker did: its errors in comparison channels, by phase, beside those of the raw measurements."""
+
+from __future__ import annotations
+
+import bisect
+from typing import Any
+
+import numpy as np
+
+from sim.flight.loop import Flight
+from sim.metrics import comparison as channels
+from tracking import consistency
+from tracking.track import Measurements, Track
+
+
+def judge(
+    flight: Flight, sensors: dict[str, Any], chart_height: float, track: Track, record: Measurements
+) -> dict[str, Any]:
+    """The figures of one tracker for metrics.json; ``sensors`` are those that it heard, ``record`` what they said."""
+    truth = channels.truth_at(flight, track.time)
+    order = np.argsort(record.arrival, kind="stable")
+    cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
+    errors = channels.compare(flight, truth, track.channels, track.mean, cov, sensors)
+    taken = channels.truth_at(flight, record.time[order])  # a plot is judged when it was true, an estimate now
+    plots = channels.raw(flight, taken, record.channels, record.z[order], sensors, chart_height)
+    figures: dict[str, Any] = {"overall": {}, "by_phase": {}}
+    for channel, compared in errors.items():
+        squares = channels.squared(compared)
+        measured = channels.squared(plots[channel]) if channel in plots else np.full_like(squares, np.nan)
+        looked = np.isfinite(measured).any(axis=1) if channel in plots else np.ones(len(squares), bool)
+        if not looked.any():
+            continue
+        figures["overall"][channel] = _figure(squares[looked], measured[looked])
+        for index in np.unique(truth.phase[looked]):
+            chosen = looked & (truth.phase == index)
+            by_phase = figures["by_phase"].setdefault(flight.phases[index], {})
+            by_phase[channel] = _figure(squares[chosen], measured[chosen])
+    first = next(iter(errors.values()), None)
+    if first is not None:
+        dimension = first.error.shape[1]
+        squares = channels.normalised(first)
+        anees = consistency.mean_interval(np.mean(squares, axis=0) / dimension)
+        figures |= {"anees": anees.value, "anees_low": anees.low, "anees_high": anees.high}
+        figures["lost_fraction"] = float(np.mean(consistency.lost(squares, dimension)))
+        figures["lost_time_s"] = _lost_time(track.time, squares, dimension)
+    rows = np.isfinite(track.white).sum(axis=1)
+    if rows.any():
+        figures["anis"] = float(np.sum(np.where(rows > 0, track.nis, 0.0)) / rows.sum())
+    return figures
+
+
+def _lost_time(time: np.ndarray, squares: np.ndarray, dimension: int) -> float | None:
+    """When the first of the draws was lost, s; None = never."""
+    before = bisect.bisect_left(
+        range(len(time)), True, key=lambda k: consistency.lost(squares[: k + 1], dimension).any()
+    )
+    return float(time[before]) if before < len(time) else None
+
+
+def _figure(squares: np.ndarray, raw: np.ndarray) -> dict[str, float | None]:
+    """RMSE over epochs and draws with an interval over draws, beside that of the raw measurements."""
+    own = consistency.rmse(squares.mean(axis=0))
+    figure: dict[str, float | None] = {"rmse": own.value, "low": own.low, "high": own.high, "raw": None, "gain": None}
+    finite = np.isfinite(raw)
+    if finite.any():
+        figure["raw"] = float(np.sqrt(np.mean(raw[finite])))
+        common = float(np.sqrt(np.mean(squares[finite])))
+        figure["gain"] = figure["raw"] / common if common else None
+    return figure

@@ -1,0 +1,45 @@
+"""What a reader of a run should know about its sensors and trackers, one sentence each: who saw nothing, and why."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.flight.loop import Flight
+from sim.observation.record import SensorRecord
+
+CLOSE = 50.0  # m from an antenna: there the noise of a range is a good part of it, and its angles mean little
+
+
+def remarks(
+    flight: Flight, sensors: dict[str, Any], records: dict[str, SensorRecord], trackers: dict[str, dict[str, Any]]
+) -> list[str]:
+    """Sentences about sensors that gave nothing or stood in the way; ``trackers`` as in metrics.json."""
+    found = [_sensor(flight, name, sensors[name], record) for name, record in records.items()]
+    found += [
+        f"tracker '{name}' never heard of the aircraft: it has no figures"
+        for name, figures in trackers.items()
+        if "look_ahead" not in figures
+    ]
+    return [sentence for sentence in found if sentence]
+
+
+def _sensor(flight: Flight, name: str, sensor: Any, record: SensorRecord) -> str | None:
+    if not len(record.time) or not np.isfinite(record.z).any():
+        return f"sensor '{name}' never saw the aircraft"
+    end = float(flight.time[-1])
+    if record.arrival.min() > end:
+        return f"sensor '{name}' tells what it saw only after the flight of {end:.0f} s is over: its latency is longer"
+    if record.channels[:2] != ("range", "azimuth"):
+        return None
+    state = flight.state
+    antenna = np.array(sensor.antenna)[:, None]
+    distance = np.linalg.norm(np.array((state.north, state.east, state.height)) - antenna, axis=0)
+    nearest = int(np.argmin(distance))
+    if distance[nearest] > CLOSE:
+        return None
+    return (
+        f"sensor '{name}' stands on the flight's way: at {state.time[nearest]:.0f} s the aircraft passed its antenna "
+        f"at {distance[nearest]:.0f} m, where an azimuth says nothing"
+    )

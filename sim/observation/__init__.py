@@ -1,0 +1,1 @@
+"""Observe: sensors watch a ``Flight``; each has a ``SensorRecord`` of its looks."""

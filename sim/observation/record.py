@@ -1,0 +1,78 @@
+"""observe(): sensors watch a recorded flight by the very steps that they take in the loop."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from aircraft.state import AircraftState
+from sim.flight.loop import Flight
+from sim.randomness import Streams
+from tracking.track import Measurements
+
+
+class SensorRecord(NamedTuple):
+    """All looks of one sensor at one flight."""
+
+    channels: tuple[str, ...]
+    time: np.ndarray  # (k,) s
+    arrival: np.ndarray  # (k,) s
+    z: np.ndarray  # (k, m, draws)
+    R: np.ndarray  # (k, m, m), or (k, m, m, draws) where the accuracy depends on the measured place
+    candidates: np.ndarray | None = None  # (k, c, m, draws) plots with the false ones, of a sensor with clutter
+
+
+def observe(
+    flight: Flight, sensors: dict[str, Any], seed: int, number: int = 0, draws: int = 1
+) -> dict[str, SensorRecord]:
+    """What every sensor measures along a flight, ``draws`` times with independent noise."""
+    return {name: _watch(flight, sensor, Streams(seed, number, draws, name)) for name, sensor in sensors.items()}
+
+
+def _watch(flight: Flight, sensor: Any, streams: Streams) -> SensorRecord:
+    records = [AircraftState(*row) for row in np.column_stack(flight.state).tolist()]
+    state, looks = sensor.begin(records[0].time, streams), []
+    for before, after in pairwise(records):
+        state, seen = sensor.step(state, before, after)
+        looks += seen
+    m = len(sensor.channels)
+    if not looks:
+        return SensorRecord(
+            sensor.channels, np.empty(0), np.empty(0), np.empty((0, m, streams.draws)), np.empty((0, m, m))
+        )
+    # the candidates are the fifth element of the looks of a sensor with clutter
+    return SensorRecord(sensor.channels, *(np.array(column) for column in zip(*looks, strict=True)))
+
+
+def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> Measurements:
+    """The looks of several sensors at the union of their epochs, NaN where a sensor was silent.
+
+    Candidates are those of a sensor that is alone: which plots of several sensors belong together is not asked here.
+    """
+    chosen = [(name, records[name]) for name in sensors]
+    channels = tuple(f"{name}.{channel}" for name, record in chosen for channel in record.channels)
+    draws = chosen[0][1].z.shape[2]
+    stamps = np.concatenate([np.column_stack((r.arrival, r.time)) for _, r in chosen])
+    stamps = np.unique(stamps, axis=0)
+    k, m = len(stamps), len(channels)
+    z = np.full((k, m, draws), np.nan)
+    per_draw = any(record.R.ndim == 4 for _, record in chosen)  # a stated accuracy that depends on the measured place
+    R = np.zeros((k, m, m, draws if per_draw else 1))
+    R[:, range(m), range(m)] = 1.0
+    candidates = None
+    if len(chosen) == 1 and chosen[0][1].candidates is not None:
+        candidates = chosen[0][1].candidates[np.lexsort((chosen[0][1].time, chosen[0][1].arrival))]
+    row = 0
+    for _, record in chosen:
+        n = len(record.channels)
+        place = np.searchsorted(_sortable(stamps), _sortable(np.column_stack((record.arrival, record.time))))
+        z[place, row : row + n] = record.z
+        R[place, row : row + n, row : row + n] = record.R if record.R.ndim == 4 else record.R[..., None]
+        row += n
+    return Measurements(channels, stamps[:, 1], stamps[:, 0], z, R, candidates)
+
+
+def _sortable(stamps: np.ndarray) -> np.ndarray:
+    return stamps[:, 0] + 1j * stamps[:, 1]  # complex numbers sort by their real part first

@@ -1,0 +1,105 @@
+"""Downlink of load factors, bank and path angles from the aircraft: the overload vector and the way it points."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+
+from aircraft.state import AircraftState
+from sim.observation.antenna import at_least_a_step, positive, wrapped
+from sim.randomness import Rows, Streams
+from sim.scenario.tables import Runway
+
+CHANNELS = (
+    "load_factor_forward",
+    "load_factor_right",
+    "load_factor_up",
+    "aerodynamic_bank",
+    "flight_path_angle",
+    "air_course",
+)
+
+
+class Look(NamedTuple):
+    """What is carried from step to step."""
+
+    epoch: float
+    noise: Rows
+
+
+@dataclass(frozen=True)
+class Downlink:
+    """Six measured quantities with noise, bias, latency and, in a window of time, silence [Glistin, specification].
+
+    ``path = "air"`` sends the angles of the velocity through the air, about which load factors are measured;
+    ``"ground"`` sends those of the ground track, the error that wind then brings.
+    """
+
+    period: Annotated[float, "s"] = 0.25
+    latency: Annotated[float, "s"] = 0.0
+    load_factor_sigma: float = 0.01
+    bank_sigma: Annotated[float, "rad"] = math.radians(0.5)
+    path_sigma: Annotated[float, "rad"] = math.radians(0.3)
+    course_sigma: Annotated[float, "rad"] = math.radians(0.5)
+    load_factor_bias: tuple[float, float, float] = (0.0, 0.0, 0.0)  # forward, right, up
+    bank_bias: Annotated[float, "rad"] = 0.0
+    course_bias: Annotated[float, "rad"] = 0.0
+    silent_from: Annotated[float, "s"] = 1e9
+    silent_until: Annotated[float, "s"] = 1e9
+    path: Literal["air", "ground"] = "air"
+    runway: Annotated[Runway, "given"] = field(default_factory=Runway)
+
+    def __post_init__(self) -> None:
+        at_least_a_step(self.period)
+        positive(self, "load_factor_sigma", "bank_sigma", "path_sigma", "course_sigma")
+        if self.latency < 0:
+            raise ValueError("latency must not be negative")
+        if self.silent_until < self.silent_from:
+            raise ValueError("silent_until must not lie before silent_from")
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """What is measured, in the order of z."""
+        return CHANNELS
+
+    def sigmas(self) -> np.ndarray:
+        """Standard deviations of the channels, shape (6,)."""
+        return np.array((*(3 * (self.load_factor_sigma,)), self.bank_sigma, self.path_sigma, self.course_sigma))
+
+    def biases(self) -> np.ndarray:
+        """Constant errors of the channels, shape (6,)."""
+        return np.array((*self.load_factor_bias, self.bank_bias, 0.0, self.course_bias))
+
+    def truth(self, state: AircraftState) -> np.ndarray:
+        """Noise-free channels, shape (6, ...)."""
+        if self.path == "air":
+            angle, course = state.flight_path_angle, state.air_course
+        else:
+            angle, course = np.arctan2(state.velocity_up, state.ground_speed), state.course
+        return np.stack([*state.load_factor, state.aerodynamic_bank, angle, course])
+
+    def begin(self, time: float, streams: Streams) -> Look:
+        """Ready for the first message, one period after ``time``."""
+        return Look(time + self.period, streams.normal("noise", 6))
+
+    def step(
+        self, look: Look, before: AircraftState, after: AircraftState
+    ) -> tuple[Look, list[tuple[float, float, np.ndarray, np.ndarray]]]:
+        """Messages between two records: (epoch, arrival, z (6, draws), R (6, 6))."""
+        looks = []
+        epoch = look.epoch
+        while epoch <= after.time:
+            noise = look.noise.row()
+            if not self.silent_from <= epoch < self.silent_until:
+                share = (epoch - before.time) / (after.time - before.time)
+                first, second = self.truth(before), self.truth(after)
+                change = second - first
+                change[3:] = wrapped(change[3:])
+                exact = first + share * change + self.biases()
+                z = exact[:, None] + self.sigmas()[:, None] * noise
+                looks.append((epoch, epoch + self.latency, z, np.diag(self.sigmas() ** 2)))
+            epoch += self.period
+        return look._replace(epoch=epoch), looks

@@ -1,0 +1,187 @@
+"""The flight from above: route and track, turns, runway and wind, turned so that the final course runs to the right."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from sim.flight.loop import Flight
+from sim.reporting.figures import style
+from sim.reporting.figures.curves import by_phase, phase_handles
+from sim.reporting.text.labels import words
+from sim.scenario.tables import Runway
+
+RUNWAY_LENGTH = 2.5  # km, drawn only: the flight knows the threshold and the direction, not the far end
+NEAR = 1.6  # the runway is shown when it lies within this many times the extent of the flight
+TALLEST, LOWEST = 6.4, 1.7  # in, of the axes
+KM = 1e-3
+ARROWS = 62.0  # points between the north arrow and the wind arrow
+
+
+def plan_view(
+    flight: Flight, runway: Runway, wind: tuple[float, float], events: Mapping[str, Any] | None = None
+) -> Any:
+    """Figure with equal axes, in km from the threshold along and to the right of the final course.
+
+    ``wind`` is the steady one, the way the air moves, m/s (north, east); ``events`` are drawn where they have a place.
+    """
+    course = flight.route.legs[-1].course
+    c, s = math.cos(course), math.sin(course)
+
+    def turned(north: Any, east: Any) -> tuple[Any, Any]:
+        return (north * c + east * s) * KM, (east * c - north * s) * KM
+
+    x, y = turned(flight.state.north, flight.state.east)
+    corners = [leg.start for leg in flight.route.legs] + [flight.route.legs[-1].end]
+    corner_x, corner_y = turned(*np.array(corners).T)
+    far_end = runway.to_local(RUNWAY_LENGTH / KM, 0.0)
+    runway_x, runway_y = turned(np.array((0.0, far_end[0])), np.array((0.0, far_end[1])))
+
+    bounds = extent((x, corner_x), (y, corner_y))
+    shown = _inside(bounds, runway_x[0], runway_y[0])
+    if shown:
+        bounds = extent((x, corner_x, runway_x), (y, corner_y, runway_y))
+    figure, axes = _equal_axes(bounds)
+
+    axes.plot(corner_x, corner_y, color="#555555", linewidth=0.8, dashes=(5, 3), zorder=1.5, label="route")
+    axes.plot(
+        corner_x,
+        corner_y,
+        "^",
+        color="white",
+        markeredgecolor="#555555",
+        markersize=5,
+        label="point of the route",
+    )
+    if shown:
+        axes.plot(runway_x, runway_y, color=style.BLACK, linewidth=4, solid_capstyle="butt", alpha=0.75, label="runway")
+    for name, event in (events or {}).items():
+        _circle(axes, name, event, lambda past, right: turned(*runway.to_local(past, right)))
+    by_phase(axes, flight, x, y)
+    switched = np.flatnonzero(np.diff(flight.leg)) + 1
+    if switched.size:
+        axes.plot(
+            x[switched],
+            y[switched],
+            "D",
+            color="white",
+            markeredgecolor=style.BLACK,
+            markersize=4.5,
+            zorder=4,
+            label="turn begun",
+        )
+    axes.plot(x[:1], y[:1], "o", color="white", markeredgecolor=style.BLACK, markersize=5.5, zorder=4, label="start")
+    axes.plot(x[-1:], y[-1:], "X", color=style.BLACK, markersize=6.5, zorder=5, label=f"end: {words(flight.outcome)}")
+    _compass(axes, course, wind, _points((x, corner_x, runway_x), (y, corner_y, runway_y)))
+    _legend(figure, axes, flight)
+    axes.set_xlabel("along the final course, km past the threshold")
+    axes.set_ylabel("right of the threshold, km")
+    return figure
+
+
+def _circle(axes: Any, name: str, event: Any, place: Callable[[float, float], tuple[float, float]]) -> None:
+    """The greatest outflow of a microburst, or the edge of a gust, named; nothing for what is not round."""
+    if event.past_threshold is None or not hasattr(event, "right"):
+        return
+    across, up = place(event.past_threshold, event.right)
+    radius = KM * (event.radius if hasattr(event, "radius") else event.length / 2)
+    turn = np.linspace(0.0, 2.0 * np.pi, 73)
+    axes.fill(across + radius * np.cos(turn), up + radius * np.sin(turn), color=style.SKY, alpha=0.25, linewidth=0)
+    axes.annotate(name, (across, up - radius), ha="center", va="bottom", fontsize=6.5, color=style.BLUE, clip_on=True)
+
+
+def extent(xs: tuple[Any, ...], ys: tuple[Any, ...]) -> tuple[float, float, float, float]:
+    """Bounds of all finite points with a margin."""
+    x, y = np.concatenate(xs), np.concatenate(ys)
+    finite = np.isfinite(x) & np.isfinite(y)
+    left, right, low, high = x[finite].min(), x[finite].max(), y[finite].min(), y[finite].max()
+    margin = 0.06 * max(right - left, high - low, 0.5)
+    return left - margin, right + margin, low - margin, high + margin
+
+
+def _points(xs: tuple[Any, ...], ys: tuple[Any, ...]) -> np.ndarray:
+    """Points along the track and along the straight lines of route and runway, shape (n, 2)."""
+    track, *lines = zip(xs, ys, strict=True)
+    thin = max(1, len(track[0]) // 400)
+    found = [np.column_stack((track[0][::thin], track[1][::thin]))]
+    for x, y in lines:
+        at = np.linspace(0.0, len(x) - 1.0, 40 * (len(x) - 1))
+        found.append(np.column_stack((np.interp(at, np.arange(len(x)), x), np.interp(at, np.arange(len(x)), y))))
+    return np.concatenate(found)
+
+
+def _inside(extent: tuple[float, float, float, float], x: float, y: float) -> bool:
+    left, right, low, high = extent
+    reach = NEAR * max(right - left, high - low) / 2
+    return abs(x - (left + right) / 2) < reach and abs(y - (low + high) / 2) < reach
+
+
+def _equal_axes(extent: tuple[float, float, float, float]) -> tuple[Any, Any]:
+    """Axes that fill the width where they can; the shorter side is given more room, never another scale."""
+    left, right, low, high = extent
+    width = style.WIDTH - style.LEFT - style.RIGHT
+    height = min(max(width * (high - low) / (right - left), LOWEST), TALLEST)
+    scale = max((right - left) / width, (high - low) / height)  # km per inch
+    spare_x, spare_y = width * scale - (right - left), height * scale - (high - low)
+    figure, (axes,) = style.panels(height, top=0.52)
+    axes.set_xlim(left - spare_x / 2, right + spare_x / 2)
+    axes.set_ylim(high + spare_y / 2, low - spare_y / 2)  # right is down, as on a map that is turned and not mirrored
+    axes.set_aspect("equal")
+    return figure, axes
+
+
+def _compass(axes: Any, course: float, wind: tuple[float, float], busy: np.ndarray) -> None:
+    """North and wind as arrows of fixed size where the figure is emptiest; ``busy`` is what they must not cover."""
+    speed = math.hypot(*wind)
+    across, up = _emptiest(axes, busy)
+    left, right = (across - ARROWS / 2, up), (across + ARROWS / 2, up)
+    _arrow(axes, left, (math.cos(course), math.sin(course)), "north", style.BLACK)
+    if speed == 0.0:
+        _text(axes, right, "calm", style.BLUE)
+        return
+    along = (wind[0] * math.cos(course) + wind[1] * math.sin(course)) / speed
+    beside = (wind[1] * math.cos(course) - wind[0] * math.sin(course)) / speed
+    comes_from = math.degrees(math.atan2(-wind[1], -wind[0])) % 360
+    _arrow(axes, right, (along, -beside), f"wind {comes_from:03.0f}°, {speed:.0f} m/s", style.BLUE)
+
+
+def _arrow(axes: Any, centre: tuple[float, float], direction: tuple[float, float], text: str, colour: str) -> None:
+    """An arrow of 32 points about ``centre`` (points from the lower left corner of the axes), its name below."""
+    dx, dy = 16 * direction[0], 16 * direction[1]
+    axes.annotate(
+        "", (centre[0] + dx, centre[1] + dy), (centre[0] - dx, centre[1] - dy), xycoords="axes points",
+        textcoords="axes points", arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.5},
+    )  # fmt: skip
+    _text(axes, (centre[0], centre[1] - 9 - abs(dy)), text, colour)
+
+
+def _text(axes: Any, place: tuple[float, float], text: str, colour: str) -> None:
+    axes.annotate(text, place, xycoords="axes points", ha="center", va="center", color=colour, fontsize=7)
+
+
+def _emptiest(axes: Any, busy: np.ndarray) -> tuple[float, float]:
+    """Where, in points from the lower left corner, a box of arrows is farthest from all ``busy`` points."""
+    box = axes.get_position()
+    size = np.array((box.width * style.WIDTH, box.height * axes.figure.get_figheight())) * 72
+    points = axes.transAxes.inverted().transform(axes.transData.transform(busy)) * size
+    half = np.array((ARROWS, 30.0))
+    best, place = -math.inf, size / 2
+    for across in np.linspace(half[0] + 10, size[0] - half[0] - 10, 15):
+        for up in np.linspace(half[1] + 6, size[1] - half[1], 9):
+            apart = np.maximum(np.abs(points - (across, up - 8)) - half, 0.0)
+            room = min(float(np.hypot(*apart.T).min()), 40.0)  # beyond this, higher and more to the right is as good
+            score = room + 1e-3 * (across / size[0] + up / size[1])
+            if score > best:
+                best, place = score, np.array((across, up))
+    return float(place[0]), float(place[1])
+
+
+def _legend(figure: Any, axes: Any, flight: Flight) -> None:
+    """Two rows above the map: the phases, then everything else."""
+    height = figure.get_figheight()
+    place = {"loc": "upper left", "borderaxespad": 0.0, "columnspacing": 1.1, "handletextpad": 0.4, "ncols": 10}
+    for (handles, labels), down in ((phase_handles(flight), 0.02), (axes.get_legend_handles_labels(), 0.19)):
+        figure.legend(handles, labels, bbox_to_anchor=(style.LEFT / style.WIDTH, 1 - down / height), **place)

@@ -1,0 +1,191 @@
+"""One self-contained HTML page about one run: what happened, how it looked, what it was checked against."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sim.flight.loop import Flight
+from sim.metrics.conformance import foremost, told_in_words
+from sim.reporting.figures import style
+from sim.reporting.figures.histories import airframe_history, bank_history, error_history, final_errors, speed_history
+from sim.reporting.figures.phase_portrait import phase_portrait
+from sim.reporting.figures.plan_view import plan_view
+from sim.reporting.figures.style import Chart
+from sim.reporting.figures.vertical_profile import touchdown_view, vertical_profile
+from sim.reporting.figures.weather import weather_charts
+from sim.reporting.replay import replay
+from sim.reporting.text.header import first_screen
+from sim.reporting.text.labels import number, words
+from sim.reporting.text.outcome_sentence import first_clause
+from sim.reporting.text.references import FLIGHT_DYNAMICS, aircraft_sources, sources, what_ran
+from sim.reporting.text.rows import (
+    beside_rows,
+    check_row,
+    event_rows,
+    halves,
+    last_state,
+    law_rows,
+    scalar_rows,
+    spread_rows,
+)
+from sim.reporting.text.tracker_tables import tracker_tables
+from sim.reporting.tracker_figures.charts import belief_charts, error_charts
+from sim.reporting.tracker_figures.error_curves import follow
+from sim.reporting.tracker_figures.model_probabilities import mode_names
+from sim.scenario.toml_writer import dumps
+from sim.workers.helper_process import ALONE, SecondProcess
+
+
+def write(
+    path: Path,
+    *,
+    scenario: Any,
+    flight: Flight,
+    law: Any,
+    metrics: dict[str, Any],
+    versions: dict[str, str],
+    timing: dict[str, float],
+    tracked: dict[str, Any] | None = None,
+    records: dict[str, Any] | None = None,
+    built: dict[str, Any] | None = None,
+    second: SecondProcess = ALONE,
+) -> Path:
+    """Write the report of one run; the file needs nothing but a browser.
+
+    Parameters
+    ----------
+    scenario : the resolved Scenario        flight : the first flight        law : the law that flew
+    metrics : as in metrics.json            versions, timing : name -> version, name -> s
+    tracked, records : name -> Tracked, name -> SensorRecord of the first flight
+    built : name -> tracker, which knows what its models are called
+    second : another process that draws a part of the figures
+    """
+    flight_charts = second.later(charts, flight, scenario, law)
+    trackers, tracked, records = metrics.get("trackers") or {}, tracked or {}, records or {}
+    modes = {
+        name: mode_names((built or {}).get(name), trackers[name]["kind"], one.track.model_probabilities.shape[1])
+        for name, one in tracked.items()
+        if one.track.model_probabilities is not None
+    }
+    alert = foremost(built or {}, tracked)
+    believing = {name: tracked[name] for name in modes}
+    beliefs = second.later(belief_charts, scenario, flight, trackers, believing, modes, alert)
+    followed = [one for one in follow(scenario, flight, tracked) if one.curves]
+    errors = error_charts(scenario, flight, trackers, followed, records)
+    script = _file("replay.js")
+    equations, papers, errata = sources(what_ran(scenario, law))
+    page = _template().render(
+        **first_screen(scenario, flight, metrics, followed),
+        conformance=told_in_words(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
+        charts=flight_charts(),
+        checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
+        events=event_rows(flight),
+        outcome=words(metrics["flight"]["outcome"]),
+        reason=first_clause(flight.reason),
+        last_state=last_state(flight),
+        flight_rows=halves(scalar_rows({k: v for k, v in metrics["flight"].items() if k != "navigated"})),
+        beside=beside_rows(metrics["flight"]),
+        spread=spread_rows(metrics.get("flights_summary", {})),
+        trackers=tracker_tables(trackers) if trackers else [],
+        tracker_charts=[*errors, *beliefs()],
+        replay=replay(flight, scenario, followed, records),
+        script=script,
+        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
+        draws=metrics.get("draws"),
+        scenario_text=dumps(scenario.tables),
+        law_rows=law_rows(law),
+        versions=sorted(versions.items()),
+        timing=[(words(name.removesuffix("_s")), number(float(value), 2)) for name, value in timing.items()],
+        aircraft_sources=aircraft_sources(scenario.aircraft.model),
+        equations=equations,
+        papers=papers if scenario.aircraft.model == "point_mass" else [*papers, FLIGHT_DYNAMICS],
+        errata=errata,
+    )
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def _template() -> Any:
+    import jinja2
+
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
+    return environment.from_string(_file("report.html"))
+
+
+def _file(name: str) -> str:
+    """The text of a file beside this one."""
+    return (resources.files("sim.reporting.templates") / name).read_text(encoding="utf-8")
+
+
+def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
+    """All figures of a flight that has something to show in them."""
+    bank_limit = scenario.autopilot.bank_limit
+    drawn: list[Chart] = []
+
+    def add(title: str, figure: Any, caption: str) -> None:
+        drawn.append(Chart(title, style.data_uri(figure), caption))
+
+    with style.drawing(), np.errstate(invalid="ignore"):
+        add(
+            "Plan view",
+            plan_view(flight, scenario.runway, scenario.wind.steady, scenario.wind.events),
+            "Equal scales; turned so that the final course runs to the right, north as the arrow shows. The runway's "
+            "length is drawn, not modelled.",
+        )
+        add("Vertical profile", vertical_profile(flight, scenario.runway), "Heights are exaggerated against distances.")
+        touchdown = touchdown_view(flight, scenario.runway)
+        if touchdown is not None:
+            add(
+                "Flare and touchdown",
+                touchdown,
+                "Height of the aircraft's reference point; it stays above the ground when the wheels touch.",
+            )
+        add(
+            "Bank and its limits",
+            bank_history(flight, law, bank_limit),
+            "Shaded: the command stands at the bank limit. Bars below: when the command, and when each input of the "
+            "law as flown, was at or beyond its limit.",
+        )
+        add(
+            "Phase portrait of the law",
+            phase_portrait(flight, law),
+            "Coloured line: the flown deviations, by phase, each leg begun at a circle. Shaded: the law asks for its "
+            "bank limit. Between the dotted lines an input is passed on as it is, beyond them it is cut off; where "
+            "the first input is cut off, the law settles on the line of wings level: the intercept.",
+        )
+        add(
+            "Speed and configuration",
+            speed_history(flight),
+            "True airspeed against its schedule; flaps and gear as they moved.",
+        )
+        airframe = airframe_history(flight)
+        if airframe is not None:
+            add(
+                "Airframe",
+                airframe,
+                "Attitude, path and controls of the six-degree-of-freedom aircraft.",
+            )
+        add(
+            "Deviations",
+            error_history(flight, scenario.runway),
+            "Cross-track from the leg then active; height from the height of the leg, on the glide path from the path.",
+        )
+        for title, figure, caption in weather_charts(flight, scenario):
+            add(title, figure, caption)
+        last = final_errors(flight, scenario.runway)
+        if last is not None:
+            add(
+                last[0],
+                last[1],
+                "The last stretch enlarged; the aircraft flies to the right. Scaled to what follows the capture.",
+            )
+    return drawn

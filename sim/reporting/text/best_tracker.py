@@ -1,0 +1,139 @@
+"""Which tracker was best, by how much and why, in one sentence."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.flight.loop import Flight
+from sim.reporting.text.labels import column, number, split, words
+from sim.reporting.tracker_figures.error_curves import Followed
+
+PLACES = {"cross_track_m": "across track", "position_m": "of position", "height_m": "of height"}
+TOO_SURE = 1.5  # ANEES beyond which a winner is told to be too sure of itself
+
+
+def who_won(flight: Flight, trackers: dict[str, Any], followed: list[Followed]) -> str:
+    """The best of those that saw the same measurements; empty where nothing was tracked.
+
+    ``trackers`` as in metrics.json. Ratios are of root mean square errors over common draws; two trackers are alike
+    where the paired 95 % interval of their ratio holds 1.
+    """
+    channel, rivals = _contest(trackers, followed)
+    if not rivals:
+        return ""
+    best, *others = rivals
+    told = [f"{_head(trackers, channel, best, rivals)}"]
+    if others:
+        told.append(_behind(flight, channel, best, others))
+    told += _law(trackers, channel, best, others)
+    figures = trackers[best.name]
+    if (figures.get("anees_low") or 0.0) > TOO_SURE:
+        told.append(f"yet it is too sure of itself (ANEES {number(float(figures['anees']), 1)})")
+    if figures.get("lost_fraction"):
+        told.append(f"it lost {number(100.0 * figures['lost_fraction'], 1)} % of the draws")
+    if others and best.draws == 1:
+        told.append("one draw does not tell a lead from chance")
+    return "; ".join(part for part in told if part) + "."
+
+
+def _contest(trackers: dict[str, Any], followed: list[Followed]) -> tuple[str, list[Followed]]:
+    """The channel that is judged and, best first, whoever has it from the sensors that most trackers listen to."""
+    able: list[Followed] = []
+    for channel in (*PLACES, *dict.fromkeys(c for one in followed for c in one.curves)):
+        able = [one for one in followed if _rmse(trackers, channel, one) is not None]
+        if able:
+            break
+    groups: dict[tuple[str, ...], list[Followed]] = {}
+    for one in able:
+        groups.setdefault(one.sensors, []).append(one)
+    rivals = max(groups.values(), key=len, default=[])
+    return channel if able else "", sorted(rivals, key=lambda one: _rmse(trackers, channel, one) or np.inf)
+
+
+def _rmse(trackers: dict[str, Any], channel: str, one: Followed) -> float | None:
+    value = ((trackers.get(one.name) or {}).get("overall") or {}).get(channel, {}).get("rmse")
+    return float(value) if value is not None and np.isfinite(value) and channel in one.curves else None
+
+
+def _head(trackers: dict[str, Any], channel: str, best: Followed, rivals: list[Followed]) -> str:
+    figures = trackers[best.name]["overall"][channel]
+    name, unit = split(channel)
+    where = PLACES.get(channel, f"in {name.replace(':', '')}")
+    shown = column([figures["rmse"], figures.get("raw")])
+    among = f"Of {len(rivals)} trackers of the same measurements {words(best.name)}" if rivals[1:] else words(best.name)
+    text = f"{among} was best" if rivals[1:] else f"{among} tracked"
+    text = f"{text} {where} with {shown[0]} {unit} RMS"
+    gain = figures.get("gain")
+    if gain is None:
+        return text
+    if gain >= 1.0:
+        return f"{text}, {number(float(gain), 1)} times better than the raw measurements ({shown[1]} {unit})"
+    return f"{text}, worse than the raw measurements ({shown[1]} {unit})"
+
+
+def _ratio(channel: str, one: Followed, best: Followed) -> tuple[float, bool]:
+    """(error of ``one`` over that of ``best``, whether noise explains it), over common draws."""
+    from tracking.intervals import gain
+
+    found = gain(one.curves[channel].of_draws, best.curves[channel].of_draws)
+    return found.value, bool(found.low <= 1.0 <= found.high)
+
+
+def _behind(flight: Flight, channel: str, best: Followed, others: list[Followed]) -> str:
+    """Who is as good, and how far and where the next one falls behind."""
+    ratios = {one.name: _ratio(channel, one, best) for one in others}
+    alike = [words(one.name) for one in others if ratios[one.name][1]]
+    behind = [one for one in others if not ratios[one.name][1] and np.isfinite(ratios[one.name][0])]
+    told = [f"{_and(alike)} {'is' if len(alike) == 1 else 'are'} as good within the noise"] if alike else []
+    if behind:
+        value = ratios[behind[0].name][0]
+        where = _where(flight, channel, best, behind[0])
+        told.append(f"next is {words(behind[0].name)} with {number(value, 2)} times the error{where}")
+    return ", ".join(told)
+
+
+def _where(flight: Flight, channel: str, best: Followed, other: Followed) -> str:
+    """The phase in which most of the excess of squared error was made."""
+    if len(best.time) != len(other.time):
+        return ""
+    excess = other.curves[channel].rmse ** 2 - best.curves[channel].rmse ** 2
+    sums = {flight.phases[int(p)]: float(np.nansum(excess[best.phase == p])) for p in np.unique(best.phase)}
+    worst = max(sums, key=lambda name: sums[name])
+    return f", most of it during {words(worst)}" if len(sums) > 1 and sums[worst] > 0.0 else ""
+
+
+def _law(trackers: dict[str, Any], channel: str, best: Followed, others: list[Followed]) -> list[str]:
+    """What the law was worth: against the best that is told nothing of it, and told wrong."""
+    told = []
+    informed = best.law_from is not None
+    other = next((one for one in others if (one.law_from is not None) != informed), None)
+    if other is not None:
+        value, alike = _ratio(channel, other, best)
+        if informed:
+            told.append(
+                f"knowing a law is worth a factor of {number(value, 2)} over {words(other.name)}, the best without one"
+                if not alike
+                else f"{words(other.name)}, which is told no law, is as good"
+            )
+        else:
+            told.append(f"the best that is told a law, {words(other.name)}, has {number(value, 2)} times the error")
+    kind = trackers[best.name].get("kind")
+    twin = next(
+        (one for one in others if informed and trackers[one.name].get("kind") == kind and one.law_from != best.law_from
+         and one.law_from is not None), None,
+    )  # fmt: skip
+    if twin is not None:
+        value, alike = _ratio(channel, twin, best)
+        if alike:
+            told.append("which of the two laws it is told makes no difference to it")
+        elif best.law_from == "autopilot":
+            told.append(f"told a wrong law it has {number(value, 2)} times the error")
+        else:
+            told.append(f"told the law that flies it has {number(value, 2)} times the error, so its model errs anyway")
+    return told
+
+
+def _and(names: list[str]) -> str:
+    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))

@@ -1,0 +1,74 @@
+"""One sentence that says what happened."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sim.flight.loop import Flight
+from sim.reporting.text.labels import duration, number
+
+NARROW = 0.05  # m; nearer to a line than this is on it
+REPEATING = ("at ", "flown ", "still flying")  # reasons that say no more than the time
+
+
+def what_happened(flight: Flight, figures: dict[str, Any], checks: list[dict[str, Any]]) -> str:
+    """How the flight ended, where and how it touched down, and whether the checks held.
+
+    ``figures`` and ``checks`` are those of metrics.json.
+    """
+    return f"After {duration(figures['duration_s'])} {_ending(flight, figures.get('touchdown'))}; {_verdict(checks)}."
+
+
+def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
+    outcome, reason = flight.outcome, first_clause(flight.reason)
+    if touchdown and outcome in ("landed", "ground"):
+        verb = "landed" if outcome == "landed" else "touched the ground, but did not land:"
+        return f"the aircraft {verb} {_touchdown(touchdown)}"
+    told = {
+        "ground": "the aircraft hit the ground",
+        "orbit": "the flight was ended because the aircraft orbits instead of reaching its leg",
+        "diverged": "the flight diverged",
+        "envelope": "the aircraft left its flight envelope",
+        "go_around": "the aircraft had gone around and climbed away",
+        "completed": "the flight was complete",
+        "time_limit": "the flight was ended by the time limit",
+    }.get(outcome, f"the flight ended as '{outcome}'")
+    if reason and not reason.startswith(REPEATING):
+        return f"{told} ({reason})"
+    return told + _beside_its_leg(flight)
+
+
+def _beside_its_leg(flight: Flight) -> str:
+    """Where the flight ended relative to the leg it was on; nothing where that is not known."""
+    across = float(flight.deviation.cross_track[-1])
+    if not math.isfinite(across):
+        return ""
+    return f" with the aircraft {_side(across, 'its leg')}"
+
+
+def _side(across: float, line: str) -> str:
+    if abs(across) < NARROW:
+        return f"on {line}"
+    return f"{number(abs(across), 1)} m {'right' if across > 0 else 'left'} of {line}"
+
+
+def _touchdown(touchdown: dict[str, float]) -> str:
+    past, across = touchdown["past_threshold_m"], touchdown["cross_track_m"]
+    where = f"{abs(past):.0f} m {'past' if past >= 0 else 'before'} the threshold"
+    return f"{where}, {_side(across, 'the centreline')}, sinking at {number(touchdown['sink_mps'], 2)} m/s"
+
+
+def _verdict(checks: list[dict[str, Any]]) -> str:
+    judged = [check for check in checks if check["passed"] is not None]
+    failed = [check["name"] for check in judged if not check["passed"]]
+    if not judged:
+        return "the scenario has no checks" if not checks else "no check could be judged"
+    if failed:
+        return f"{len(failed)} of {len(judged)} checks failed"
+    return {1: "its one check held", 2: "both checks held"}.get(len(judged), f"all {len(judged)} checks held")
+
+
+def first_clause(reason: str) -> str:
+    """The reason without the dump of a last state that may follow it."""
+    return reason.partition("; last state")[0]

@@ -1,0 +1,138 @@
+"""Tables of the report as rows of text: checks, events, figures, the law."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.flight.loop import Flight
+from sim.metrics.navigation import beside
+from sim.metrics.signals import SIGNALS
+from sim.reporting.text.labels import ABSENT, decimals, number, split, unit, words
+from sim.reporting.text.outcome_sentence import first_clause
+from sim.scenario.parameters import dump
+from sim.scenario.tables import Check
+
+MOST_EVENTS = 60  # before the last, which says how the flight ended
+
+
+def check_row(asked: Check, check: dict[str, Any]) -> dict[str, Any]:
+    """A check as text; value, limit and margin with the same decimals, enough to tell value and limit apart."""
+    value, limit, margin = check["value"], check["limit"], check["margin"]
+    places = decimals(value, limit)
+    while margin and abs(margin) < 0.5 * 10**-places and places < 6:
+        places += 1
+    during = check["during"] if isinstance(check["during"], str) else ", ".join(check["during"])
+    return {
+        "name": check_name(check),
+        "when": (words(during) if during != "all" else "whole flight") if check["metric"] in SIGNALS else ABSENT,
+        "how": _statistic(check["statistic"], check["for_s"]) if check["metric"] in SIGNALS else "once",
+        "limit": _limits(asked, places),
+        "value": number(None if value is None else float(value), places),
+        "margin": number(None if margin is None else float(margin), places),
+        "unit": unit(check["unit"]),
+        "time": number(None if check["time_s"] is None else float(check["time_s"]), 1),
+        "passed": check["passed"],
+        "source": check["source"] or ABSENT,
+    }
+
+
+def _limits(asked: Check, places: int) -> str:
+    """What was allowed, as a relation or a range."""
+    low, high = (None if bound is None else number(float(bound), places) for bound in (asked.min, asked.max))
+    if low is not None and high is not None:
+        return f"{low} … {high}"
+    return f"≤ {high}" if low is None else f"≥ {low}"
+
+
+def check_name(check: dict[str, Any]) -> str:
+    """The user's name of a check, or its metric in words; the unit has a column of its own."""
+    return words(check["name"]) if check["name"] != check["metric"] else split(check["metric"])[0]
+
+
+def _statistic(name: str, lasting: float) -> str:
+    told = {"max": "", "mean_5_s": "mean over 5 s", "rms": "RMS", "p95": "95th percentile"}.get(name, words(name))
+    held = f"for {lasting:g} s" if lasting else ""
+    return ", ".join(part for part in (told, held) if part) or "at any time"
+
+
+def event_rows(flight: Flight) -> list[tuple[str, ...]]:
+    """(time, event, height, airspeed, bank, detail) of everything that happened once."""
+    rows = []
+    for event in (*flight.events[:-1][:MOST_EVENTS], *flight.events[-1:]):
+        at = min(int(np.searchsorted(flight.time, event.time)), len(flight.time) - 1)
+        s = flight.state
+        rows.append(
+            (
+                number(float(event.time), 1),
+                words(event.name),
+                number(float(s.height[at]), 1),
+                number(float(s.airspeed[at]), 1),
+                number(float(np.degrees(s.bank[at])), 1),
+                first_clause(event.detail),
+            )
+        )
+    return rows
+
+
+def last_state(flight: Flight) -> list[tuple[str, str, str]]:
+    """(name, value, unit) of the motion at the end of the record."""
+    s = flight.state
+    shown = (
+        ("time", s.time, "s"), ("north", s.north, "m"), ("east", s.east, "m"), ("height", s.height, "m"),
+        ("velocity north", s.velocity_north, "m/s"), ("east", s.velocity_east, "m/s"), ("up", s.velocity_up, "m/s"),
+        ("bank", np.degrees(s.bank), "deg"), ("pitch", np.degrees(s.pitch), "deg"),
+        ("heading", np.degrees(s.heading) % 360, "deg"), ("airspeed", s.airspeed, "m/s"),
+        ("angle of attack", np.degrees(s.angle_of_attack), "deg"), ("sideslip", np.degrees(s.sideslip), "deg"),
+    )  # fmt: skip
+    return [(name, number(float(values[-1]), 2), unit) for name, values, unit in shown]
+
+
+def scalar_rows(figures: dict[str, Any], prefix: str = "") -> list[tuple[str, str, str]]:
+    """(name, value, unit) of every number; nested tables are written out."""
+    rows: list[tuple[str, str, str]] = []
+    for key, value in figures.items():
+        if isinstance(value, dict):
+            rows += scalar_rows(value, f"{prefix}{words(key)}: ")
+        elif not isinstance(value, str) and key != "landed":  # the outcome says it
+            name, suffix = split(key)
+            rows.append((prefix + name, number(value), suffix if value is not None else ""))
+    return rows
+
+
+def beside_rows(figures: dict[str, Any]) -> list[tuple[str, str, str, str]]:
+    """(figure, on the estimate, on the truth, unit) of a flight that a tracker navigated; empty for others."""
+    rows = []
+    for key, flown, truth in beside(figures):
+        name, suffix = split(key)
+        shown = [words(it) if isinstance(it, str) else number(it) for it in (flown, truth)]
+        rows.append((name, *shown, suffix))
+    return rows
+
+
+def halves(rows: list[Any]) -> list[list[Any]]:
+    """Two tables of nearly the same length, to stand beside each other."""
+    middle = -(-len(rows) // 2)
+    return [rows[:middle], rows[middle:]]
+
+
+def spread_rows(summary: dict[str, Any]) -> list[tuple[str, ...]]:
+    """(name, unit, 5th, 50th, 95th percentile) over several flights; empty for one."""
+    if sum(summary.get("outcomes", {}).values()) < 2:
+        return []
+    rows = []
+    for key, figures in summary.items():
+        if key not in ("outcomes", "landed"):
+            name, suffix = split(key)
+            values = [figures["p5"], figures["p50"], figures["p95"]]
+            places = decimals(*values)
+            rows.append((name, suffix, *(number(float(v), places) for v in values)))
+    return rows
+
+
+def law_rows(law: Any) -> list[tuple[str, str, str]]:
+    """(field, value, unit) of the law that flew, as it would stand in a file."""
+    return [
+        (*split(key), f"{value:.5g}" if isinstance(value, float) else str(value)) for key, value in dump(law).items()
+    ]

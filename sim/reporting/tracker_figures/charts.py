@@ -1,0 +1,144 @@
+"""All figures about the trackers of a run, in the order in which a reader asks: how well, then why."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.flight.loop import Flight
+from sim.metrics.conformance import Watched, told_in_words
+from sim.reporting.figures import style
+from sim.reporting.figures.style import Chart
+from sim.reporting.text.labels import words
+from sim.reporting.tracker_figures.conformance_strip import alert_strip
+from sim.reporting.tracker_figures.error_curves import Followed
+from sim.reporting.tracker_figures.estimate_map import estimate_map
+from sim.reporting.tracker_figures.model_probabilities import anomaly_strip, model_probabilities
+from sim.reporting.tracker_figures.path_bound import path_bound
+from sim.reporting.tracker_figures.tracking_errors import (
+    consistency_over_time,
+    containment,
+    credibility,
+    error_by_phase,
+    error_over_time,
+    look_ahead_fan,
+)
+
+
+def error_charts(
+    scenario: Any,
+    flight: Flight,
+    trackers: dict[str, Any],
+    followed: list[Followed],
+    records: dict[str, Any],
+) -> list[Chart]:
+    """How well the trackers did; ``trackers`` as in metrics.json."""
+    if not followed:
+        return []
+    drawn: list[Chart] = []
+    keys = tuple((words(one.name), one.look["color"], one.look["dashes"] != style.SOLID) for one in followed)
+
+    def add(title: str, figure: Any, caption: str, keys: tuple[tuple[str, str, bool], ...] = keys) -> None:
+        if figure is not None:
+            drawn.append(Chart(title, style.data_uri(figure), caption, keys))
+
+    with style.drawing(), np.errstate(invalid="ignore", divide="ignore"):
+        bound = path_bound(flight, scenario.sensors, records)
+        add(
+            "Error over time",
+            error_over_time(flight, followed, bound),
+            "Root mean square over draws and short windows of time, on a logarithmic scale. Dashed: told a wrong "
+            "law. Dots: the measurements themselves."
+            + (
+                " Dotted: the Cramér-Rao bound on this path for one who knows every acceleration, but no route; "
+                "across track a tracker that is told where the autopilot steers may come below it."
+                if bound is not None
+                else ""
+            ),
+        )
+        add(
+            "Error by phase",
+            error_by_phase(flight, trackers, followed),
+            "Root mean square error with its 95 % interval, on a logarithmic scale; hatched: told a wrong law; "
+            "black line: the raw measurement.",
+        )
+        add(
+            "Does each tracker know how good it is?",
+            credibility(flight, followed),
+            "Between the lines lie 95 % of the errors over all draws, shaded is what the tracker's own covariance "
+            "promises. Lines outside the shade: too sure of itself. Lines to one side: biased. All panels have one "
+            "scale, linear near 0 and logarithmic beyond.",
+            (),
+        )
+        add(
+            "Consistency over time",
+            consistency_over_time(flight, followed),
+            "Mean normalised error squared (ANEES) and normalised innovation squared (NIS) per dimension: 1 where "
+            "covariances are right, and within the band in 95 % of the epochs of a consistent tracker. What leaves "
+            "the frame is larger.",
+        )
+        add(
+            "Estimates in plan",
+            estimate_map(flight, scenario, followed, records),
+            "Draw 0. Above the whole flight, below the last turn enlarged, with ellipses of two standard "
+            "deviations here and there; dots are the plots.",
+        )
+        inside = containment(flight, scenario, followed)
+        if inside is not None:
+            add(
+                "Containment against the radar's azimuth norm",
+                inside[0],
+                "95th percentile over the draws of the cross-track error while the precision radar sees the "
+                "aircraft. Norm: 0.6 % of the distance from the antenna, 9 m at least (Annex 10 I, 3.2.3.3.1, as "
+                f"quoted in secondary sources). Epochs within it: {inside[1]}.",
+            )
+        add(
+            "Look-ahead",
+            look_ahead_fan(trackers, followed),
+            "Root mean square error of the place that was predicted so many seconds ahead.",
+        )
+    return drawn
+
+
+def belief_charts(
+    scenario: Any,
+    flight: Flight,
+    trackers: dict[str, Any],
+    tracked: dict[str, Any],
+    modes: dict[str, list[str]],
+    alert: tuple[str, Watched] | None = None,
+) -> list[Chart]:
+    """What trackers with several hypotheses believed.
+
+    ``tracked`` are those alone, ``modes`` what each calls its hypotheses, ``alert`` a tracker and its test.
+    """
+    drawn: list[Chart] = []
+
+    def add(title: str, figure: Any, caption: str) -> None:
+        if figure is not None:
+            drawn.append(Chart(title, style.data_uri(figure), caption))
+
+    with style.drawing(), np.errstate(invalid="ignore", divide="ignore"):
+        add(
+            "Model probabilities",
+            model_probabilities(flight, tracked, modes),
+            "What each tracker with several models believes, mean over the draws. A law's number is the factor on its "
+            "position limit.",
+        )
+        if alert is not None:
+            name, watched = alert
+            add(
+                "Who is flying?",
+                alert_strip(flight, watched),
+                f"{told_in_words(words(name), trackers[name]['conformance'])}. Above: probability of each intent, mean "
+                f"over the draws. Below: the log likelihood ratio against the {watched.told}, summed by Page's test; "
+                f"its limit makes false alarms rarer than one in {np.exp(watched.limit):.0f} looks.",
+            )
+        add(
+            "Measurement anomalies",
+            anomaly_strip(flight, scenario, tracked),
+            "Above: measured minus true angle of draw 0, linear within the dashed 2 σ of the stated accuracy and "
+            "logarithmic beyond. Below: the mean probability of a worse accuracy than the stated.",
+        )
+    return drawn

@@ -1,0 +1,120 @@
+"""Where the trackers believed the aircraft to be: plots, estimates and ellipses of draw 0, whole and the last turn."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sim.flight.loop import Flight
+from sim.reporting.figures import style
+from sim.reporting.figures.plan_view import extent
+from sim.reporting.replay import ellipse, false_plots, place_of_plots
+from sim.reporting.text.labels import words
+from sim.reporting.tracker_figures.error_curves import Followed
+from sim.reporting.tracker_figures.tracking_errors import LEGEND, legend
+
+KM = 1e-3
+WINDOW = 4.2  # km, across the enlarged part
+ELLIPSES = 7  # of each tracker in one picture
+TALLEST, LOWEST, ENLARGED = 3.6, 1.5, 3.2  # in, of the axes
+
+
+def estimate_map(flight: Flight, scenario: Any, followed: list[Followed], records: dict[str, Any]) -> Any | None:
+    """Figure with equal axes of the whole flight and of its last turn; None where no tracker knows a place.
+
+    In km from the threshold along and to the right of the final course.
+    """
+    shown = [one for one in followed if np.isfinite(one.shown.place).any()]
+    if not shown:
+        return None
+    course = flight.route.legs[-1].course
+    c, s = math.cos(course), math.sin(course)
+    turn = np.array(((c, s), (-s, c))) * KM
+    x, y = turn @ np.array((flight.state.north, flight.state.east))
+    plots = {
+        label: [
+            turn @ place
+            for name, record in seen.items()
+            if record is not None and (place := place_of_plots(flight, scenario.sensors[name], record)) is not None
+        ]
+        for label, seen in (("false plots", {n: false_plots(r) for n, r in records.items()}), ("plots", records))
+    }
+    width = style.WIDTH - style.LEFT - style.RIGHT
+    left, right, low, high = extent((x,), (y,))
+    height = min(max(width * (high - low) / (right - left), LOWEST), TALLEST)
+    figure, (whole, near) = style.panels(height, ENLARGED, share=False, top=LEGEND, gap=0.34)
+    scale = max((right - left) / width, (high - low) / height)
+    middle = (left + right) / 2, (low + high) / 2
+    _frame(whole, middle, scale * width, scale * height)
+    at = _turned(flight)
+    _frame(near, (float(x[at]), float(y[at])), WINDOW, WINDOW * ENLARGED / width)
+    for axes, between in ((whole, (flight.time[0], flight.time[-1])), (near, None)):
+        _draw(axes, shown, (x, y), plots, turn, between)
+        axes.set_ylabel("right of the threshold, km")
+    near.set_xlabel("along the final course, km past the threshold")
+    legend(figure, whole, shown)
+    return figure
+
+
+def _turned(flight: Flight) -> int:
+    """Record in the middle of the last turn onto a leg; of the whole flight where it made none."""
+    switched = np.flatnonzero(np.diff(flight.leg)) + 1
+    if not switched.size:
+        return len(flight.time) // 2
+    legs = flight.route.legs
+    turn = abs(math.remainder(legs[-1].course - legs[max(len(legs) - 2, 0)].course, 2 * math.pi))
+    heading = np.unwrap(flight.state.heading[switched[-1] :])
+    half = np.flatnonzero(np.abs(heading - heading[0]) >= turn / 2)
+    return int(switched[-1] + (half[0] if half.size else 0))
+
+
+def _frame(axes: Any, middle: tuple[float, float], across: float, down: float) -> None:
+    axes.set_xlim(middle[0] - across / 2, middle[0] + across / 2)
+    axes.set_ylim(middle[1] + down / 2, middle[1] - down / 2)  # right is down, as in the plan view
+
+
+def _draw(
+    axes: Any,
+    shown: list[Followed],
+    flown: tuple[np.ndarray, np.ndarray],
+    plots: dict[str, list[np.ndarray]],
+    turn: np.ndarray,
+    between: tuple[float, float] | None,
+) -> None:
+    """The same things in either frame; in the enlarged one with ellipses."""
+    (left, right), (low, high) = sorted(axes.get_xlim()), sorted(axes.get_ylim())
+
+    def inside(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return (x > left) & (x < right) & (y > low) & (y < high)
+
+    for what, colour, size in (("false plots", "#D6D6D6", 1.6), ("plots", "#A8A8A8", 2.2)):
+        for index, (x, y) in enumerate(plots[what]):
+            among = np.flatnonzero(inside(x, y))
+            among = among[:: max(1, len(among) // 400)]
+            label = what if index == 0 else None
+            axes.plot(x[among], y[among], ".", color=colour, markersize=size, label=label, zorder=1.2)
+    thin = max(1, len(flown[0]) // 600)
+    axes.plot(flown[0][::thin], flown[1][::thin], color=style.BLACK, linewidth=1.6, label="flown", zorder=1.5)
+    for one in shown:
+        x, y = turn @ one.shown.place.T
+        if between is None:
+            among = inside(x, y)
+            x, y = np.where(among, x, np.nan), np.where(among, y, np.nan)
+            _ellipses(axes, one, x, y, turn, np.flatnonzero(among))
+        axes.plot(x, y, linewidth=0.9, label=words(one.name), **one.look)
+
+
+def _ellipses(axes: Any, one: Followed, x: np.ndarray, y: np.ndarray, turn: np.ndarray, among: np.ndarray) -> None:
+    """Ellipses of two standard deviations as one broken line."""
+    if not among.size:
+        return
+    chosen = among[np.unique(np.linspace(0, len(among) - 1, ELLIPSES).astype(int))]
+    long, short, direction = ellipse(np.einsum("ij,kjl,ml->kim", turn, one.shown.spread[chosen], turn))
+    angle = np.append(np.linspace(0.0, 2 * np.pi, 33), np.nan)
+    a, b = 2 * long[:, None] * np.cos(angle), 2 * short[:, None] * np.sin(angle)
+    c, s = np.cos(direction)[:, None], np.sin(direction)[:, None]
+    axes.plot(
+        (x[chosen, None] + a * c - b * s).ravel(), (y[chosen, None] + a * s + b * c).ravel(), linewidth=0.6, **one.look
+    )

@@ -1,0 +1,126 @@
+"""What a tracker with several hypotheses believes: probabilities of its modes, anomalies of its measurements."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.flight.loop import Flight
+from sim.reporting.figures import style
+from sim.reporting.figures.curves import phase_strip
+from sim.reporting.figures.histories import STRIP, TIME
+from sim.reporting.figures.thinning import peaks
+from sim.reporting.text.labels import words
+from sim.reporting.tracker_figures.error_curves import MANY, pooled, windows
+
+BINS = 200  # of the stated accuracy
+MOST_SAMPLES = 2500  # points of the anomaly strip
+MODES = ("#08519C", "#3182BD", "#6BAED6", "#9ECAE1", "#C6DBEF")  # laws, from the least limit to the greatest
+FREE = ("#FDD0A2", "#D94801", "#7F2704", "#A1A1A1")
+IMPROVED = ("straight", "slowing down", "right turn", "left turn")
+PUBLISHED = ("slow left turn", "fast left turn", "straight")
+
+
+def mode_names(tracker: Any, kind: str, count: int) -> list[str]:
+    """What each hypothesis of a tracker is called, in the order of its probabilities."""
+    names: tuple[str, ...] = tuple(getattr(tracker, "modes", ()))
+    if not names and hasattr(tracker, "factors"):
+        names = tuple(f"noise × {factor:g}" for factor in tracker.factors)
+    if not names:
+        names = {"imm": IMPROVED, "imm_published": PUBLISHED}.get(kind, ())
+    return list(names) if len(names) == count else [f"model {i + 1}" for i in range(count)]
+
+
+def model_probabilities(flight: Flight, tracked: dict[str, Any], modes: dict[str, list[str]]) -> Any | None:
+    """Figure of the probabilities of all models over time, mean over draws, stacked: a panel for each tracker."""
+    shown = {name: one.track for name, one in tracked.items() if one.track.model_probabilities is not None}
+    if not shown:
+        return None
+    figure, (strip, *panels) = style.panels(STRIP, *(1.0 for _ in shown))
+    phase_strip(strip, flight)
+    for axes, (name, track) in zip(panels, shown.items(), strict=True):
+        edges = windows(track.time, 0, flight, track.mean.shape[2])
+        time = pooled(track.time, edges)
+        low = np.zeros(len(edges))
+        for index, (label, colour) in enumerate(zip(modes[name], _colours(modes[name]), strict=True)):
+            share = pooled(track.model_probabilities[:, index], edges)
+            axes.fill_between(time, low, low + share, color=colour, linewidth=0, label=label)
+            low = low + share
+        axes.set_ylim(0, 1)
+        axes.set_yticks((0, 0.5, 1))
+        axes.grid(False)
+        axes.set_ylabel(words(name), fontsize=7 if len(name) < 18 else 5.5)
+        axes.legend(
+            loc="center left", fontsize=6.5, frameon=True, framealpha=0.85, edgecolor="none", reverse=True,
+            labelspacing=0.15, handlelength=1.0,
+        )  # fmt: skip
+    panels[-1].set_xlabel(TIME)
+    return figure
+
+
+def _colours(names: list[str]) -> list[str]:
+    """Blues for laws, browns for flight without one, distinct colours where the names say neither."""
+    laws = [name for name in names if name.startswith("law")]
+    if laws:
+        blues = [MODES[round(i * (len(MODES) - 1) / max(len(laws) - 1, 1))] for i in range(len(laws))]
+        return blues + [FREE[i % len(FREE)] for i in range(len(names) - len(laws))]
+    palette = (style.LIGHT, style.ORANGE, style.BLUE, style.VERMILION, *style.TRACKERS[2:])
+    return [palette[i % len(palette)] for i in range(len(names))]
+
+
+def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any]) -> Any | None:
+    """Figure of angle measurements minus truth (draw 0) and the probability that each is anomalous.
+
+    For the first tracker that weighs accuracies; None where there is none.
+    """
+    for name, one in tracked.items():
+        record, weights = one.measurements, one.track.model_probabilities
+        choice = scenario.trackers.get(name)
+        row = next((i for i, channel in enumerate(record.channels) if channel.endswith(".elevation")), None)
+        if choice is None or choice.kind != "switching_noise" or row is None or weights is None:
+            continue
+        from matplotlib.ticker import FuncFormatter
+
+        from sim.metrics.comparison import truth_at
+
+        sensor_name, _, channel = record.channels[row].partition(".")
+        sensor = scenario.sensors[sensor_name]
+        order = np.argsort(record.arrival, kind="stable")
+        time = record.time[order]
+        exact = sensor.truth(truth_at(flight, time).position)[sensor.channels.index(channel)]
+        error = np.degrees(record.z[order, row, 0] - exact)
+        sigma = np.degrees(np.sqrt(np.reshape(record.R[order, row, row], (len(time), -1))[:, 0]))
+        worse = 1.0 - weights[:, 0, 0]
+        figure, (strip, samples, belief) = style.panels(STRIP, 1.7, 0.9, top=0.26)
+        phase_strip(strip, flight)
+        few = np.flatnonzero(np.isfinite(error))
+        few = few[:: max(1, len(few) // MOST_SAMPLES)]
+        odd = worse[few] > 0.5
+        for among, colour, label in (
+            (~odd, style.BLUE, "taken for nominal"),
+            (odd, style.VERMILION, "taken for anomalous"),
+        ):
+            samples.plot(time[few[among]], error[few[among]], ".", color=colour, markersize=1.8, label=label)
+        chosen = peaks(sigma, BINS)
+        for side in (-2, 2):
+            samples.plot(time[chosen], side * sigma[chosen], color=style.BLACK, linewidth=0.6, dashes=(4, 2))
+        samples.set_yscale("symlog", linthresh=max(2 * float(np.nanmedian(sigma)), 1e-6))
+        half = 1.4 * float(np.abs(error[few]).max()) if few.size else 1.0
+        ticks = [tick for tick in (0.01, 0.1, 1.0, 10.0) if 2 * float(np.nanmedian(sigma)) <= tick <= half]
+        samples.set_ylim(-half, half)
+        samples.set_yticks([*(-tick for tick in ticks), 0.0, *ticks])
+        samples.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+        samples.minorticks_off()
+        samples.set_ylabel(f"error of {channel}, deg")
+        figure.legend(
+            *samples.get_legend_handles_labels(), loc="upper left", ncols=2, markerscale=4,
+            bbox_to_anchor=(style.LEFT / style.WIDTH, 1.0),
+        )  # fmt: skip
+        edges = windows(one.track.time, 0, flight, MANY)
+        belief.fill_between(pooled(one.track.time, edges), pooled(worse, edges), color=style.VERMILION, linewidth=0)
+        belief.set_ylim(0, 1)
+        belief.set_ylabel("mean probability")
+        belief.set_xlabel(TIME)
+        return figure
+    return None

@@ -1,0 +1,65 @@
+"""A reference line for the flight that was flown: the bound of one who knows every acceleration, but no route."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sim.estimation.prior import PRIOR_POSITION, PRIOR_RATE
+from sim.flight.loop import Flight
+from sim.metrics.comparison import truth_at
+
+MOST = 1500  # epochs; of more, every n-th counts n times
+
+
+class PathBound(NamedTuple):
+    """Standard deviations along the flown path."""
+
+    time: np.ndarray  # (k,) s
+    position: np.ndarray  # (k,) m, root of the trace
+    cross_track: np.ndarray  # (k,) m
+
+
+def path_bound(flight: Flight, sensors: dict[str, Any], records: dict[str, Any]) -> PathBound | None:
+    """Cramer-Rao bound of position from all radar plots of a flight for one who knows its accelerations exactly.
+
+    Only the place and velocity at the first plot are unknown, with the prior of the trackers; constant velocity then
+    describes how their errors move, without process noise. Height is taken as known. Who is told the route and the law
+    knows more: where the autopilot steers; across the track such a tracker may be better. None where nothing measures a
+    place.
+    """
+    from tracking import bounds  # imports scipy, which a report without trackers does not need
+    from tracking.motion import CARTESIAN, planar_constant_velocity
+
+    stamps, informations = [], []
+    for name, record in records.items():
+        sensor = sensors[name]
+        place = "north" in record.channels or {"range", "azimuth"} <= {*record.channels}
+        if not len(record.time) or not place:
+            continue
+        thin = max(1, -(-len(record.time) // MOST))
+        time, z, R = record.time[::thin], record.z[::thin], record.R[::thin]
+        R = R[:, :2, :2] if R.ndim == 3 else R[:, :2, :2].mean(axis=-1)
+        H = np.zeros((2, 4, len(time)))
+        if "north" in record.channels:
+            H[0, 0], H[1, 2] = 1.0, 1.0
+        else:
+            north, east, _ = truth_at(flight, time).position
+            H = bounds.polar_jacobian(north - sensor.antenna[0], east - sensor.antenna[1], CARTESIAN)
+        seen = thin * np.isfinite(z).all(axis=1).mean(axis=1)
+        each = bounds.information(H, np.moveaxis(R, 0, -1))
+        stamps.append(time)
+        informations.append(np.moveaxis(each * seen, -1, 0))
+    if not stamps:
+        return None
+    time = np.concatenate(stamps)
+    order = np.argsort(time, kind="stable")
+    time, J = time[order], np.concatenate(informations)[order]
+    F = np.array([planar_constant_velocity(dt, 0.0, 0.0)[0] for dt in np.diff(time, prepend=time[0]).tolist()])
+    prior = np.diag((PRIOR_POSITION, PRIOR_RATE) * 2) ** 2
+    C = bounds.oracle_riccati(prior, F, np.zeros((4, 4)), J)[:, ::2, ::2]
+    course = np.array([leg.course for leg in flight.route.legs])[truth_at(flight, time).leg]
+    right = np.stack((-np.sin(course), np.cos(course)), axis=1)
+    across = np.einsum("ki,kij,kj->k", right, C, right)
+    return PathBound(time, np.sqrt(np.einsum("kii->k", C)), np.sqrt(across))

@@ -1,0 +1,68 @@
+"""The folder is the catalogue: a kind is a file's name, its class the dataclass that the file defines."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+from importlib import resources
+from typing import Any
+
+FOLDERS = {
+    "sensors": ("sim.observation.sensors", "step"),
+    "trackers": ("tracking.trackers", "step"),
+    "modes": ("autopilot.modes", "__call__"),
+    "truths": ("sim.flight.truths", "fly"),
+    "wind_events": ("aircraft.wind_events", "velocity"),
+}
+
+
+def kinds(family: str) -> list[str]:
+    """Names of all kinds of a family, without importing any of them."""
+    package, _ = FOLDERS[family]
+    files = (file.name for file in resources.files(package).iterdir())
+    return sorted(name[:-3] for name in files if name.endswith(".py") and not name.startswith("_"))
+
+
+def load(family: str, kind: str) -> type[Any]:
+    """The class of a kind: the one dataclass of its file that has the family's method.
+
+    Raises ``KeyError`` for a kind that has no file.
+    """
+    package, method = FOLDERS[family]
+    if kind not in kinds(family):
+        raise KeyError(kind)
+    module = importlib.import_module(f"{package}.{kind}")
+    found = [
+        thing
+        for thing in vars(module).values()
+        if isinstance(thing, type)
+        and dataclasses.is_dataclass(thing)
+        and thing.__module__ == module.__name__
+        and hasattr(thing, method)
+    ]
+    if len(found) != 1:
+        raise TypeError(f"{module.__name__} must define exactly one dataclass with '{method}', found {len(found)}")
+    return found[0]
+
+
+def scenarios() -> list[str]:
+    """Names of the bundled scenarios."""
+    return _tables("sim.scenario.bundled")
+
+
+def studies() -> list[str]:
+    """Names of the bundled studies."""
+    return _tables("sim.scenario.bundled.studies")
+
+
+def bundled(name: str) -> Any:
+    """The file of a bundled scenario or study; None where there is none of this name."""
+    for package, names in (("sim.scenario.bundled", scenarios()), ("sim.scenario.bundled.studies", studies())):
+        if name in names:
+            return resources.files(package) / f"{name}.toml"
+    return None
+
+
+def _tables(package: str) -> list[str]:
+    files = (file.name for file in resources.files(package).iterdir())
+    return sorted(name[:-5] for name in files if name.endswith(".toml"))

@@ -1,0 +1,202 @@
+"""One parameter mechanism: a frozen dataclass field ``name: Annotated[float, "rad"]`` is a file key ``name_deg``.
+
+From each class comes one pydantic model whose keys are every legal spelling, so that error locations and the JSON
+Schema speak the user's own words. Fields marked ``"given"`` are filled by the simulation and absent from files.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+import types
+import typing
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
+
+from aircraft.units import spellings
+from sim.scenario.messages import stem
+
+GIVEN = "given"
+Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+
+
+@dataclasses.dataclass(frozen=True)
+class Parameter:
+    """One field of a parameter class as files see it."""
+
+    name: str  # without the underscore that keeps a Python keyword legal
+    attribute: str
+    unit: str | None  # None = dimensionless or not a number
+    kind: Any  # type without unit
+    required: bool
+    default: Any
+
+    @functools.cached_property
+    def keys(self) -> dict[str, float]:
+        """File keys with their factors to SI, the preferred one first."""
+        return {self.name: 1.0} if self.unit is None else spellings(self.name, self.unit)
+
+
+@functools.cache
+def parameters(cls: type) -> tuple[Parameter, ...]:
+    """The fields of ``cls`` that a file may set."""
+    hints = typing.get_type_hints(cls, include_extras=True)
+    found = []
+    for field in dataclasses.fields(cls):
+        hint, unit = hints[field.name], None
+        if typing.get_origin(hint) is Annotated:
+            hint, *notes = typing.get_args(hint)
+            if GIVEN in notes:
+                continue
+            unit = next((note for note in notes if isinstance(note, str)), None)
+        required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+        default = field.default
+        if not required and default is dataclasses.MISSING:
+            default = field.default_factory()
+        found.append(Parameter(field.name.rstrip("_"), field.name, unit, hint, required, default))
+    return tuple(found)
+
+
+def _numbers(hint: Any, unit: str | None) -> Any:
+    """The pydantic type of one field: finite strict numbers, tables for nested parameter classes."""
+    if hint is Any and unit is not None:
+        return Finite
+    if hint is float:
+        return Finite
+    if hint is int:
+        return Annotated[int, Field(strict=True)]
+    if hint is bool:
+        return Annotated[bool, Field(strict=True)]
+    if dataclasses.is_dataclass(hint):
+        return model_of(hint)
+    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    if origin in (types.UnionType, typing.Union):
+        return typing.Union[tuple(_numbers(a, unit) for a in arguments)]  # noqa: UP007 (built at run time)
+    if origin is tuple and len(arguments) == 2 and arguments[1] is Ellipsis:
+        return list[_numbers(arguments[0], unit)]
+    if origin is tuple:
+        return tuple[tuple(_numbers(a, unit) for a in arguments)]
+    if origin is dict:
+        return dict[arguments[0], _numbers(arguments[1], unit)]
+    return hint
+
+
+@functools.cache
+def model_of(
+    cls: type,
+    kind: str | None = None,
+    *,
+    defaulted_kind: bool = False,
+    partial: bool = False,
+    without: tuple[str, ...] = (),
+) -> type[BaseModel]:
+    """The pydantic model of a parameter class.
+
+    ``kind`` adds the table's literal ``kind`` key (absent = this kind where it is the default one), ``partial`` makes
+    every field optional, ``without`` leaves fields out.
+    """
+    fields: dict[str, Any] = {}
+    wanted = [parameter for parameter in parameters(cls) if parameter.name not in without]
+    for parameter in wanted:
+        hint = _numbers(parameter.kind, parameter.unit)
+        required = parameter.required and not partial
+        if len(parameter.keys) == 1 and required:
+            fields[next(iter(parameter.keys))] = (hint, ...)
+        else:
+            described = "" if parameter.required or parameter.default is None else f"default {parameter.default!r} SI"
+            for key in parameter.keys:
+                fields[key] = (hint | None, Field(default=None, description=described or None))
+    if kind is not None:
+        fields["kind"] = (typing.Literal[kind], kind if defaulted_kind else ...)
+
+    def one_spelling(table: Any) -> Any:
+        if isinstance(table, dict):
+            for parameter in wanted:
+                used = [key for key in parameter.keys if key in table]
+                if len(used) > 1:
+                    raise ValueError(f"'{used[0]}' and '{used[1]}' are two spellings of one value; keep one")
+                if not used and parameter.required and not partial and len(parameter.keys) > 1:
+                    wrong = [f", '{key}' is no unit of it" for key in table if stem(key) == parameter.name]
+                    raise ValueError(f"'{next(iter(parameter.keys))}' is missing{''.join(wrong[:1])}")
+        return table
+
+    return create_model(
+        cls.__name__,
+        __config__=ConfigDict(extra="forbid"),
+        __validators__={"one_spelling": model_validator(mode="before")(one_spelling)},
+        **fields,
+    )
+
+
+def construct(cls: type, table: dict[str, Any], **given: Any) -> Any:
+    """An instance from a validated table, converted to SI; ``given`` fills what files never say.
+
+    Raises ``ValueError`` in the class's own words when a value is out of its range.
+    """
+    values = dict(given)
+    for parameter in parameters(cls):
+        for key, factor in parameter.keys.items():
+            if table.get(key) is not None:
+                values[parameter.attribute] = _to_si(parameter.kind, table[key], factor)
+    return cls(**values)
+
+
+def _to_si(hint: Any, value: Any, factor: float) -> Any:
+    nested = _nested(hint)
+    if nested is not None and isinstance(value, dict):
+        return construct(nested, value)
+    if isinstance(value, list | tuple):
+        element = typing.get_args(hint)[0] if typing.get_args(hint) else Any
+        return tuple(_to_si(element, item, factor) for item in value)
+    if isinstance(value, bool | str | dict) or value is None:
+        return value
+    if isinstance(value, int) and factor == 1.0 and (hint is int or hint == (int | None)):
+        return value
+    return float(value) * factor
+
+
+def _nested(hint: Any) -> type | None:
+    for candidate in (hint, *typing.get_args(hint)):
+        if dataclasses.is_dataclass(candidate) and isinstance(candidate, type):
+            return candidate
+    return None
+
+
+def dump(instance: Any) -> dict[str, Any]:
+    """A table that reads back as ``instance``, in the preferred spellings; what is None is left out."""
+    table: dict[str, Any] = {}
+    for parameter in parameters(type(instance)):
+        value = getattr(instance, parameter.attribute)
+        if value is None:
+            continue
+        key, factor = next(iter(parameter.keys.items()))
+        table[key] = _from_si(value, factor)
+    return table
+
+
+def _from_si(value: Any, factor: float) -> Any:
+    if dataclasses.is_dataclass(value):
+        return dump(value)
+    if isinstance(value, list | tuple):
+        return [_from_si(item, factor) for item in value]
+    if isinstance(value, dict):
+        return dict(value)
+    if isinstance(value, bool | str | int):
+        return value
+    return _shortest(float(value), factor)
+
+
+def _shortest(value: float, factor: float) -> float:
+    """The shortest decimal that converts back to exactly ``value``."""
+    if factor == 1.0:
+        return value
+    for digits in range(1, 18):
+        candidate = float(f"{value / factor:.{digits}g}")
+        if candidate * factor == value:
+            return candidate
+    neighbours = [value / factor]
+    for direction in (-math.inf, math.inf):
+        neighbours.append(math.nextafter(value / factor, direction))
+    return next((n for n in neighbours if n * factor == value), value / factor)

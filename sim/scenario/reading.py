@@ -1,0 +1,301 @@
+"""TOML -> Scenario: everything checked, all faults of a file told at once, SI inside."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from sim.errors import ScenarioError, did_you_mean
+from sim.scenario import catalogue
+from sim.scenario.messages import faults_of, stem, told
+from sim.scenario.parameters import construct, dump, parameters
+from sim.scenario.schema import ROUTES, file_model, kind_of, parts_of
+from sim.scenario.tables import (
+    AircraftChoice,
+    AutopilotTable,
+    Check,
+    Departure,
+    LegsTable,
+    PatternTable,
+    Runway,
+    Start,
+    StudyTable,
+    WindTable,
+)
+
+LARGEST_FILE = 1 << 20  # bytes; a scenario is a page of text
+DEEPEST = 100  # dots of one key; many more would keep the reader busy for minutes
+LONGEST_PATH = 200  # characters that are repeated to the user
+DEFAULTS: dict[str, Any] = {"seed": 1, "flights": 1, "draws": 130, "until_s": None}
+
+
+@dataclass(frozen=True)
+class TrackerChoice:
+    """One tracker of a scenario: its kind, what it listens to, who hands over, and the law it is told."""
+
+    kind: str
+    sensors: tuple[str, ...]
+    handover: str | None
+    table: dict[str, Any]  # its own parameters, validated, as spelled in the file
+    law: dict[str, float]  # absolute values in SI, or <field>_factor; empty = the law that flies
+    association: str | None = None  # how it finds the target's plot among false ones; None = there are none
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A validated experiment; values in SI."""
+
+    name: str
+    seed: int
+    flights: int
+    draws: int
+    until: float | None
+    runway: Runway
+    aircraft: AircraftChoice
+    start: Start
+    route: PatternTable | LegsTable
+    autopilot: AutopilotTable
+    mode: str  # kind of law, a file of autopilot/modes
+    law: dict[str, float]  # what the file sets of it, SI; the rest is designed
+    designed: dict[str, Any] | None  # gains as they travel to workers
+    wind: WindTable
+    sensors: dict[str, Any]
+    trackers: dict[str, TrackerChoice]
+    departures: tuple[Departure, ...]
+    checks: tuple[Check, ...]
+    study: StudyTable | None
+    tables: dict[str, Any] = field(repr=False)  # the resolved file
+
+
+def read(source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Scenario:
+    """A scenario from a file, a bundled name or a dict of tables, with ``table.key`` overrides.
+
+    Raises ``ScenarioError`` with one line for each fault.
+    """
+    origin, tables = _load(source)
+    for address, value in (overrides or {}).items():
+        tables = override(tables, address, value)
+    return _build(origin, tables)
+
+
+def override(tables: dict[str, Any], address: str, value: Any) -> dict[str, Any]:
+    """The tables with one value replaced; another spelling of the same value is taken out."""
+    return _replaced(tables, address, value, address)
+
+
+def _replaced(tables: dict[str, Any], address: str, value: Any, whole: str) -> dict[str, Any]:
+    head, dot, rest = address.partition(".")
+    if not head or (dot and not rest):
+        raise ScenarioError(f"--set {whole}: a part of the key is empty; write table.key=value")
+    if rest:
+        inner = tables.get(head, {})
+        if isinstance(inner, list):
+            index, _, below = rest.partition(".")
+            if not (index.isascii() and index.isdigit()) or int(index) >= len(inner):
+                raise ScenarioError(f"--set {whole}: [[{head}]] {_entries(inner)}")
+            items = list(inner)
+            if below and not isinstance(items[int(index)], dict):
+                raise ScenarioError(f"--set {whole}: entry {index} of [[{head}]] is a value, not a table")
+            items[int(index)] = _replaced(items[int(index)], below, value, whole) if below else value
+            return {**tables, head: items}
+        if not isinstance(inner, dict):
+            raise ScenarioError(f"--set {whole}: '{head}' is a value, not a table")
+        return {**tables, head: _replaced(inner, rest, value, whole)}
+    kept = {key: old for key, old in tables.items() if key == head or stem(key) != stem(head)}
+    return {**kept, head: value}
+
+
+def _entries(items: list[Any]) -> str:
+    return f"has entries 0 to {len(items) - 1}" if items else "has no entries"
+
+
+def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    if isinstance(source, dict):
+        return "scenario", source
+    path = Path(source)
+    bundled = catalogue.bundled(str(source))
+    origin = str(path) if bundled is None else f"{source}.toml"
+    content = _content(path, str(source)) if bundled is None else bundled.read_bytes()
+    if max(piece.count(b".") for piece in re.split(rb"[=,\[\]{}\n]", content)) > DEEPEST:
+        raise ScenarioError(f"{origin}: not TOML: nested too deeply")
+    try:
+        return origin, {
+            "name": path.name.removesuffix(".toml").removesuffix(".scenario"),
+            **tomllib.loads(content.decode("utf-8-sig")),
+        }
+    except UnicodeDecodeError:
+        raise ScenarioError(f"{origin}: not UTF-8 text; save the file as UTF-8") from None
+    except RecursionError:
+        raise ScenarioError(f"{origin}: not TOML: nested too deeply") from None
+    except ValueError as error:  # of its grammar, or of a number with thousands of digits
+        raise ScenarioError(told(origin, [f"not TOML: {str(error).partition(';')[0]}"])) from None
+
+
+def _content(path: Path, source: str) -> bytes:
+    """The bytes of a file that is to be a scenario."""
+    try:
+        if path.is_file():
+            with path.open("rb") as file:
+                content = file.read(LARGEST_FILE + 1)
+            if len(content) > LARGEST_FILE:
+                raise ScenarioError(f"{path}: larger than {LARGEST_FILE} bytes, which no scenario is")
+            return content
+        if path.is_dir():
+            raise ScenarioError(f"{path}: is a folder; name a scenario file in it")
+        if path.exists() or path.suffix == ".toml" or "/" in source:
+            raise ScenarioError(f"{path}: {'no regular file' if path.exists() else 'no such file'}")
+    except OSError as error:
+        raise ScenarioError(f"{str(path)[:LONGEST_PATH]}: cannot be read: {error.strerror}") from None
+    near = did_you_mean(source, [*catalogue.scenarios(), *catalogue.studies()])
+    raise ScenarioError(told(f"no scenario '{source}'", [near]))
+
+
+def _build(origin: str, tables: dict[str, Any]) -> Scenario:
+    faults: list[str] = []
+    model = file_model(parts_of(tables, faults))
+    try:
+        model.model_validate(tables)
+    except ValidationError as error:
+        faults += faults_of(model, error)
+    if faults:
+        raise ScenarioError(told(origin, faults))
+
+    def table(name: str, cls: type) -> Any:
+        return _construct(faults, f"[{name}]", cls, tables.get(name, {}))
+
+    runway = table("runway", Runway) or Runway()
+    route_kind = kind_of(tables.get("route", {}), "pattern")
+    mode = kind_of(tables.get("autopilot", {}), "lateral_navigation") or ""
+    autopilot_table = {k: v for k, v in tables.get("autopilot", {}).items() if k != "law"}
+    law_class = catalogue.load("modes", mode)
+    law_table = tables.get("autopilot", {}).get("law", {})
+    sensors = {
+        name: _construct(faults, f"[sensors.{name}]", catalogue.load("sensors", entry["kind"]), entry, runway=runway)
+        for name, entry in tables.get("sensors", {}).items()
+    }
+    trackers = {name: _tracker(faults, name, entry, tables) for name, entry in tables.get("trackers", {}).items()}
+    wind_table = tables.get("wind", {})
+    events = {
+        name: _construct(
+            faults, f"[wind.events.{name}]", catalogue.load("wind_events", entry["kind"]), entry, runway=runway
+        )
+        for name, entry in wind_table.get("events", {}).items()
+    }
+    scenario = {
+        "name": tables["name"],
+        "seed": tables.get("seed", DEFAULTS["seed"]),
+        "flights": tables.get("flights", DEFAULTS["flights"]),
+        "draws": _draws(faults, tables),
+        "until": tables.get("until_s"),
+        "runway": runway,
+        "aircraft": table("aircraft", AircraftChoice),
+        "start": table("start", Start),
+        "route": table("route", ROUTES[route_kind or "pattern"]),
+        "autopilot": _construct(faults, "[autopilot]", AutopilotTable, autopilot_table),
+        "mode": mode,
+        "law": {
+            p.attribute: law_table[key] * factor
+            for p in parameters(law_class)
+            for key, factor in p.keys.items()
+            if law_table.get(key) is not None
+        },
+        "designed": tables.get("designed"),
+        "wind": _construct(faults, "[wind]", WindTable, wind_table, events=events),
+        "sensors": sensors,
+        "trackers": trackers,
+        **{
+            several: tuple(
+                _construct(faults, f"[[{several}]] entry {i}", cls, entry)
+                for i, entry in enumerate(tables.get(several, []))
+            )
+            for several, cls in (("departures", Departure), ("checks", Check))
+        },
+        "study": table("study", StudyTable) if tables.get("study") is not None else None,
+    }
+    navigation = tables.get("autopilot", {}).get("navigation", "truth")
+    if navigation != "truth" and navigation not in trackers:
+        faults.append(
+            f"[autopilot] navigation: no tracker '{navigation}'; {did_you_mean(navigation, ['truth', *trackers])}"
+        )
+    if faults:
+        raise ScenarioError(told(origin, faults))
+    return Scenario(**scenario, tables=_resolved(tables, scenario))
+
+
+def _draws(faults: list[str], tables: dict[str, Any]) -> int:
+    """Noise draws per flight: one where a tracker flies the aircraft, since its noise then shapes the flight."""
+    if tables.get("autopilot", {}).get("navigation", "truth") == "truth":
+        return int(tables.get("draws", DEFAULTS["draws"]))
+    if tables.get("draws", 1) != 1:
+        faults.append("draws: must be 1 where a tracker navigates, because its noise shapes the flight; use 'flights'")
+    return 1
+
+
+def _construct(faults: list[str], place: str, cls: type, table: dict[str, Any], **given: Any) -> Any:
+    try:
+        return construct(cls, table, **given)
+    except ValueError as error:
+        faults.append(f"{place} {error}")
+        return None
+
+
+def _tracker(faults: list[str], name: str, table: dict[str, Any], tables: dict[str, Any]) -> TrackerChoice:
+    sensors, others = tables.get("sensors", {}), tables.get("trackers", {})
+    wanted = table.get("sensors", list(sensors))
+    for sensor in wanted:
+        if sensor not in sensors:
+            faults.append(f"[trackers.{name}] sensors: no sensor '{sensor}'; {did_you_mean(sensor, sensors)}")
+    if not wanted:
+        faults.append(f"[trackers.{name}] sensors: a tracker needs at least one sensor")
+    handover = table.get("handover")
+    if handover is not None and (handover not in others or handover == name):
+        rest = [other for other in others if other != name]
+        faults.append(f"[trackers.{name}] handover: no other tracker '{handover}'; {did_you_mean(handover, rest)}")
+    own = {k: v for k, v in table.items() if k not in ("kind", "sensors", "handover", "law", "association")}
+    return TrackerChoice(table["kind"], tuple(wanted), handover, own, table.get("law", {}), table.get("association"))
+
+
+def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
+    """The file with every default written out, the user's own spellings kept."""
+    out: dict[str, Any] = {key: built[key] for key in ("name", "seed", "flights", "draws")}
+    out["until_s"] = built["until"]
+    for name in ("runway", "aircraft", "start", "route", "autopilot", "wind"):
+        given = tables.get(name, {})
+        kind = {"route": kind_of(given, "pattern"), "autopilot": built["mode"]}.get(name)
+        law = {"law": given["law"]} if "law" in given else {}
+        out[name] = ({"kind": kind} if kind else {}) | _completed(built[name], given) | law
+    if built["wind"].events:
+        out["wind"]["events"] = {
+            name: {"kind": tables["wind"]["events"][name]["kind"]} | _completed(event, tables["wind"]["events"][name])
+            for name, event in built["wind"].events.items()
+        }
+    out["designed"] = tables.get("designed")
+    out["sensors"] = {
+        name: {"kind": tables["sensors"][name]["kind"]} | _completed(sensor, tables["sensors"][name])
+        for name, sensor in built["sensors"].items()
+    }
+    out["trackers"] = {
+        name: {**tables["trackers"][name], "sensors": list(choice.sensors)}
+        for name, choice in built["trackers"].items()
+    }
+    if tables.get("departures"):
+        out["departures"] = list(tables["departures"])
+    out["checks"] = list(tables.get("checks", []))
+    out["study"] = tables.get("study")
+    return out
+
+
+def _completed(instance: Any, given: dict[str, Any]) -> dict[str, Any]:
+    table: dict[str, Any] = {}
+    defaults = dump(instance)
+    for parameter in parameters(type(instance)):
+        used = [key for key in parameter.keys if key in given]
+        key = used[0] if used else next(iter(parameter.keys))
+        if used or key in defaults:
+            table[key] = given[key] if used else defaults[key]
+    return table

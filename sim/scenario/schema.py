@@ -1,0 +1,148 @@
+"""The pydantic model of one scenario file, for the kinds that it uses; of all kinds together, its JSON Schema."""
+
+from __future__ import annotations
+
+import re
+import typing
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, create_model
+
+from sim.errors import did_you_mean
+from sim.scenario import catalogue
+from sim.scenario.parameters import model_of
+from sim.scenario.tables import (
+    AircraftChoice,
+    AutopilotTable,
+    Check,
+    Departure,
+    LegsTable,
+    PatternTable,
+    Runway,
+    Start,
+    StudyTable,
+    WindTable,
+)
+
+MOST_NAMES = 50  # sensors or trackers of one scenario
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
+ROUTES = {"pattern": PatternTable, "legs": LegsTable}
+LAW_GIVEN = ("bank_limit",)  # stands in [autopilot] itself
+
+
+class TrackerTable(BaseModel):
+    """The keys that every tracker's table has beside its own."""
+
+    model_config = ConfigDict(extra="forbid")
+    sensors: list[str] | None = None
+    handover: str | None = None
+    association: typing.Literal["probabilistic"] | None = None
+    law: dict[str, Annotated[float, Field(allow_inf_nan=False, strict=True)]] | None = None
+
+
+def _tracker_model(kind: str) -> type[BaseModel]:
+    own = model_of(catalogue.load("trackers", kind), kind)
+    return create_model(f"{kind}_tracker", __base__=(TrackerTable, own))
+
+
+def _autopilot_model(mode: str) -> type[BaseModel]:
+    law = model_of(catalogue.load("modes", mode), partial=True, without=LAW_GIVEN)
+    return create_model(
+        f"{mode}_autopilot", __base__=model_of(AutopilotTable, mode, defaulted_kind=True), law=(law | None, None)
+    )
+
+
+def _route_model(kind: str) -> type[BaseModel]:
+    return model_of(ROUTES[kind], kind, defaulted_kind=kind == "pattern")
+
+
+def _wind_model(events: Any) -> type[BaseModel]:
+    return create_model("wind", __base__=model_of(WindTable), events=(events, {}))
+
+
+def file_model(parts: dict[str, Any]) -> type[BaseModel]:
+    """The model of a whole file; ``parts`` gives the types of the tables that have kinds."""
+    text = Annotated[str, Field(pattern=f"^{NAME.pattern}$")]
+    return create_model(
+        "Scenario",
+        __config__=ConfigDict(extra="forbid"),
+        name=(text, ...),
+        seed=(Annotated[int, Field(strict=True, ge=0, lt=2**63)], 1),
+        flights=(Annotated[int, Field(strict=True, ge=1, le=100_000)], 1),
+        draws=(Annotated[int, Field(strict=True, ge=1, le=100_000)], 130),
+        until_s=(Annotated[float, Field(gt=0, le=1800, allow_inf_nan=False, strict=True)] | None, None),
+        runway=(model_of(Runway), None),
+        aircraft=(model_of(AircraftChoice), None),
+        start=(model_of(Start), None),
+        designed=(dict[str, Any] | None, None),
+        departures=(list[model_of(Departure)], []),
+        checks=(list[model_of(Check)], []),
+        study=(model_of(StudyTable) | None, None),
+        **parts,
+    )
+
+
+def schema() -> dict[str, Any]:
+    """JSON Schema of a scenario file over all kinds that there are."""
+
+    def union(models: list[type[BaseModel]]) -> Any:
+        return models[0] if len(models) == 1 else typing.Union[tuple(models)]  # noqa: UP007 (built at run time)
+
+    sensors = union([model_of(catalogue.load("sensors", kind), kind) for kind in catalogue.kinds("sensors")])
+    trackers = union([_tracker_model(kind) for kind in catalogue.kinds("trackers")])
+    events = union([model_of(catalogue.load("wind_events", kind), kind) for kind in catalogue.kinds("wind_events")])
+    parts = {
+        "route": (union([_route_model(kind) for kind in ROUTES]), None),
+        "wind": (_wind_model(dict[str, events]), None),
+        "autopilot": (union([_autopilot_model(mode) for mode in catalogue.kinds("modes")]), None),
+        "sensors": (dict[str, sensors], {}),
+        "trackers": (dict[str, trackers], {}),
+    }
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **file_model(parts).model_json_schema()}
+
+
+def kind_of(table: Any, default: str | None) -> str | None:
+    return table.get("kind", default) if isinstance(table, dict) else default
+
+
+def parts_of(tables: dict[str, Any], faults: list[str]) -> dict[str, Any]:
+    """Types of the tables with kinds, for the kinds that this file uses."""
+    parts: dict[str, Any] = {}
+    for table, default, allowed, build in (
+        ("route", "pattern", list(ROUTES), _route_model),
+        ("autopilot", "lateral_navigation", catalogue.kinds("modes"), _autopilot_model),
+    ):
+        kind = kind_of(tables.get(table, {}), default)
+        if kind not in allowed:
+            faults.append(f"[{table}] kind: no kind '{kind}'; {did_you_mean(str(kind), allowed)}")
+            parts[table] = (Any, None)
+        else:
+            parts[table] = (build(kind), None)
+    parts["sensors"] = (_members("sensors", "sensors", tables.get("sensors"), faults), {})
+    parts["trackers"] = (_members("trackers", "trackers", tables.get("trackers"), faults, _tracker_model), {})
+    wind = tables.get("wind")
+    events = wind.get("events") if isinstance(wind, dict) else None
+    parts["wind"] = (_wind_model(_members("wind_events", "wind.events", events, faults)), None)
+    return parts
+
+
+def _members(family: str, place: str, named: Any, faults: list[str], build: Any = None) -> Any:
+    """The model of a table whose members are named by the user and have kinds."""
+    members: dict[str, Any] = {}
+    if isinstance(named, dict) and len(named) > MOST_NAMES:
+        faults.append(f"{place}: {len(named)} are more than the {MOST_NAMES} that one scenario can have")
+        return Any
+    for name, table in named.items() if isinstance(named, dict) else ():
+        kind = kind_of(table, None)
+        if not NAME.fullmatch(name):
+            faults.append(f"[{place}.{name}]: a name starts with a letter and has letters, digits, _ and -")
+        if not isinstance(table, dict):
+            faults.append(f"[{place}] {name}: must be a table with a 'kind'")
+            members[name] = (Any, ...)
+        elif kind not in catalogue.kinds(family):
+            hint = f"no kind '{kind}'; {did_you_mean(str(kind), catalogue.kinds(family))}" if kind else "is missing"
+            faults.append(f"[{place}.{name}] kind: {hint}")
+            members[name] = (Any, ...)
+        else:
+            members[name] = (build(kind) if build else model_of(catalogue.load(family, kind), kind), ...)
+    return create_model(family, __config__=ConfigDict(extra="forbid"), **members)

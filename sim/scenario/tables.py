@@ -1,0 +1,354 @@
+"""The tables of a scenario file as parameter classes; values in SI, angles in radians."""
+
+from __future__ import annotations
+
+import math
+import unicodedata
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+from aircraft.turbulence_intensity import INTENSITIES
+from aircraft.wind_shear import HIGHEST, LOWEST, LogarithmicProfile, PowerProfile
+from sim.scenario.axes import Axis, Sampled, axis
+
+FASTEST = 1000.0  # m/s, of anything that flies an approach
+HIGHEST_FLIGHT = 30_000.0  # m
+FARTHEST = 1e6  # m from the threshold; the local metric is long wrong there
+
+
+def _within(instance: Any, low: float, high: float, unit: str, *names: str) -> None:
+    """Refuse numbers that no approach has; None is not used."""
+    for name in names:
+        value = getattr(instance, name)
+        if value is not None and not low <= value <= high:
+            raise ValueError(f"{name.rstrip('_')} must lie within {low:g} and {high:g} {unit}")
+
+
+def _one_line(instance: Any, *names: str) -> None:
+    """Refuse texts that would move the cursor of a terminal, or turn the writing round."""
+    for name in names:
+        if any(unicodedata.category(letter) in ("Cc", "Cf") for letter in getattr(instance, name) or ""):
+            raise ValueError(f"the {name} of the check of '{instance.metric}' must be plain text on one line")
+
+
+@dataclass(frozen=True)
+class Runway:
+    """Where the threshold is and how the runway lies; the frame in which sensors and legs are placed."""
+
+    latitude: Annotated[float, "rad"] = math.radians(50.0)
+    longitude: Annotated[float, "rad"] = math.radians(30.0)
+    elevation: Annotated[float, "m"] = 0.0
+    heading: Annotated[float, "rad"] = 0.0
+    glide_path: Annotated[float, "rad"] = math.radians(8.0 / 3.0)
+    aiming_point: Annotated[float, "m"] = 300.0
+
+    def __post_init__(self) -> None:
+        if not abs(self.latitude) <= math.radians(85):
+            raise ValueError("latitude must be within 85 degrees of the equator: the local metric fails near a pole")
+        if not 0 < self.glide_path <= math.radians(10):
+            raise ValueError("glide_path must be above 0 and at most 10 degrees")
+        _within(self, -500.0, 9000.0, "m", "elevation")
+        _within(self, -FARTHEST, FARTHEST, "m", "aiming_point")
+
+    def to_local(self, past_threshold: Any, right: Any) -> tuple[Any, Any]:
+        """(north, east) of a point given along and to the right of the runway, m."""
+        c, s = math.cos(self.heading), math.sin(self.heading)
+        return past_threshold * c - right * s, past_threshold * s + right * c
+
+    def from_local(self, north: Any, east: Any) -> tuple[Any, Any]:
+        """(past threshold, right of the centreline) of a local point, m."""
+        c, s = math.cos(self.heading), math.sin(self.heading)
+        return north * c + east * s, east * c - north * s
+
+
+@dataclass(frozen=True)
+class AircraftChoice:
+    """Which aircraft flies: a bundled or stock model by name, a folder, or ``point_mass``."""
+
+    model: str = "point_mass"
+    mass: Annotated[float | None, "kg"] = None
+    centre_of_gravity_mac: float | None = None
+    factors: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.mass is not None and self.mass <= 0:
+            raise ValueError("mass must be above 0")
+        _within(self, 0.0, 1e6, "kg", "mass")
+        for name, factor in self.factors.items():
+            if not math.isfinite(factor) or factor <= 0:
+                raise ValueError(f"factors.{name} must be a finite number above 0")
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a flight begins: on a phase of the pattern or a leg, before its end, beside it."""
+
+    phase: str | None = None
+    leg: int | None = None
+    distance: Annotated[float | None, "m"] = None  # to go to the end of the leg; absent = the whole leg
+    cross_track: Annotated[float, "m"] = 0.0
+    speed: Annotated[float | None, "m/s"] = None  # airspeed; absent = the leg's
+    height: Annotated[float | None, "m"] = None  # absent = the leg's
+
+    def __post_init__(self) -> None:
+        if self.phase is not None and self.leg is not None:
+            raise ValueError("say 'phase' (pattern) or 'leg' (legs), not both")
+        if self.speed is not None and self.speed <= 0:
+            raise ValueError("speed must be above 0")
+        if self.height is not None and self.height <= 0:
+            raise ValueError("height must be above 0: a flight starts above the ground")
+        if self.distance is not None and self.distance <= 0:
+            raise ValueError("distance must be above 0")
+        _within(self, 0.0, FASTEST, "m/s", "speed")
+        _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
+        _within(self, -FARTHEST, FARTHEST, "m", "cross_track", "distance")
+
+
+@dataclass(frozen=True)
+class PatternTable:
+    """The landing pattern: downwind, base, final, glide path [Volovyk 2022, experiment]."""
+
+    side: Literal["left", "right"] = "left"
+    height: Annotated[float, "m"] = 400.0
+    downwind_abeam: Annotated[float, "m"] = 7000.0
+    base_distance: Annotated[float, "m"] = 13800.0  # before the aiming point
+    downwind_speed: Annotated[float, "m/s"] = 72.0
+    turn_speed: Annotated[float, "m/s"] = 69.0
+    approach_speed: Annotated[float, "m/s"] = 58.0
+    deceleration: Annotated[float, "m/s2"] = 0.5
+    glide_deceleration: Annotated[float | None, "m/s2"] = None  # on the glide path; absent = the same
+
+    def __post_init__(self) -> None:
+        for name in ("height", "downwind_abeam", "base_distance", "downwind_speed", "turn_speed", "approach_speed"):
+            if getattr(self, name) <= 0:
+                raise ValueError(f"{name} must be above 0")
+        for name in ("deceleration", "glide_deceleration"):
+            if getattr(self, name) is not None and getattr(self, name) <= 0:
+                raise ValueError(f"{name} must be above 0")
+        _within(self, 0.0, 100.0, "m/s2", "deceleration")
+        _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
+        _within(self, 0.0, FARTHEST, "m", "downwind_abeam", "base_distance")
+        _within(self, 1.0, FASTEST, "m/s", "downwind_speed", "turn_speed", "approach_speed")
+
+
+@dataclass(frozen=True)
+class LegTable:
+    """One straight leg between two points (north, east) from the threshold."""
+
+    from_: Annotated[tuple[float, float], "m"]
+    to: Annotated[tuple[float, float], "m"]
+    speed: Annotated[float, "m/s"]
+    height: Annotated[float, "m"]
+
+    def __post_init__(self) -> None:
+        if self.from_ == self.to:
+            raise ValueError("a leg needs two different points")
+        if self.speed <= 0 or self.height <= 0:
+            raise ValueError("speed and height of a leg must be above 0")
+        _within(self, 1.0, FASTEST, "m/s", "speed")
+        _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
+        if max(map(abs, (*self.from_, *self.to))) > FARTHEST:
+            raise ValueError(f"the ends of a leg must lie within {FARTHEST / 1e3:g} km of the threshold")
+
+
+@dataclass(frozen=True)
+class LegsTable:
+    """A route of straight legs."""
+
+    legs: tuple[LegTable, ...]
+
+    def __post_init__(self) -> None:
+        if not self.legs:
+            raise ValueError("a route needs at least one leg")
+        for i, (before, after) in enumerate(zip(self.legs, self.legs[1:], strict=False)):
+            if not np.allclose(before.to, after.from_, atol=1.0):
+                raise ValueError(f"leg {i} ends {before.to}, leg {i + 1} begins {after.from_}: legs must join")
+
+
+@dataclass(frozen=True)
+class AutopilotTable:
+    """The route autopilot: which law, its limits, and what it navigates on."""
+
+    bank_limit: Annotated[float, "rad"] = math.radians(15.0)
+    roll_rate_limit: Annotated[float, "rad/s"] = math.radians(5.0)
+    navigation: str = "truth"
+    estimate_lag: Annotated[float, "s"] = 0.0  # of the cross-track rate that it navigates on; the law stands twice that
+    allow_orbit: bool = False
+    gate_height: Annotated[float, "m"] = 300.0  # below it an approach that is not stabilised goes around
+    frequency_share: float | None = None  # natural frequency of the law over the bank loop's; absent = designed
+
+    def __post_init__(self) -> None:
+        if self.frequency_share is not None and not 0 < self.frequency_share <= 2:
+            raise ValueError("frequency_share must be above 0 and at most 2 bandwidths of the bank loop")
+        if not 0 <= self.estimate_lag <= 30:
+            raise ValueError("estimate_lag must lie within 0 and 30 s")
+        if self.frequency_share is not None and self.estimate_lag > 0:
+            raise ValueError("frequency_share sets the law outright: leave it out, or leave estimate_lag out")
+        if not 0 <= self.gate_height <= 1000:
+            raise ValueError("gate_height must lie within 0 and 1000 m")
+        if not 0 < self.bank_limit <= math.radians(60):
+            raise ValueError("bank_limit must be above 0 and at most 60 degrees")
+        if not 0 < self.roll_rate_limit <= math.radians(90):
+            raise ValueError("roll_rate_limit must be above 0 and at most 90 degrees per second")
+
+
+TOWER = 10.0  # m above the ground, where wind is measured
+
+
+@dataclass(frozen=True)
+class WindTable:
+    """Steady wind with its profile, Dryden turbulence whose intensity does not depend on it, and single events."""
+
+    from_: Annotated[float, "rad"] = 0.0
+    speed: Annotated[float, "m/s"] = 0.0
+    turbulence: Literal["none", "light", "moderate", "severe"] = "none"
+    w20: Annotated[float | None, "m/s"] = None
+    shear: Literal["none", "logarithmic", "power"] = "none"
+    reference_height: Annotated[float | None, "m"] = None  # where ``speed`` is measured; absent = 10 m
+    roughness: Annotated[float | None, "m"] = None  # of the logarithmic profile
+    exponent: float | None = None  # of the power profile
+    events: Annotated[dict[str, Any], "given"] = field(default_factory=dict)  # gusts and microbursts by name
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.speed <= 100:
+            raise ValueError("speed must lie within 0 and 100 m/s")
+        if self.w20 is not None and self.turbulence != "none":
+            raise ValueError("say 'turbulence' or 'w20_kt', not both")
+        if self.w20 is not None and not 0 < self.w20 <= 50:
+            raise ValueError("w20 must be above 0 and at most 50 m/s")
+        for name, shear in (("roughness", "logarithmic"), ("exponent", "power")):
+            if getattr(self, name) is not None and self.shear != shear:
+                raise ValueError(f'{name} belongs to shear = "{shear}"')
+        if self.reference_height is not None and self.shear == "none":
+            raise ValueError('reference_height belongs to a shear, "logarithmic" or "power"')
+        if self.reference_height is not None and not LOWEST <= self.reference_height <= HIGHEST:
+            raise ValueError(f"reference_height must lie within {LOWEST:.1f} and {HIGHEST:.1f} m")
+        _ = self.profile  # its own limits
+
+    @property
+    def steady(self) -> tuple[float, float]:
+        """The way the air moves, m/s (north, east), where it is measured; without shear, everywhere."""
+        return -self.speed * math.cos(self.from_), -self.speed * math.sin(self.from_)
+
+    @property
+    def profile(self) -> LogarithmicProfile | PowerProfile | None:
+        """How the speed grows with height."""
+        if self.shear == "logarithmic":
+            return LogarithmicProfile() if self.roughness is None else LogarithmicProfile(self.roughness)
+        if self.shear == "power":
+            return PowerProfile() if self.exponent is None else PowerProfile(self.exponent)
+        return None
+
+    @property
+    def tower(self) -> float:
+        """Height, m, where the wind is measured."""
+        return TOWER if self.reference_height is None else self.reference_height
+
+    def at(self, height: float) -> tuple[float, float]:
+        """The way the air moves without turbulence and events at a height, m/s (north, east)."""
+        north, east = self.steady
+        share = 1.0 if self.profile is None else self.profile.share(height, self.tower)
+        return share * north, share * east
+
+    @property
+    def intensity(self) -> float:
+        """Mean wind at 20 ft that sets the turbulence, m/s; 0 = smooth air."""
+        return self.w20 if self.w20 is not None else INTENSITIES.get(self.turbulence, 0.0)
+
+
+@dataclass(frozen=True)
+class Check:
+    """What a flight must keep: a metric, when, how long it may be broken, its limit and where that comes from."""
+
+    metric: str
+    name: str | None = None
+    during: str | tuple[str, ...] = "all"
+    statistic: Literal["max", "mean_5_s", "rms", "p95"] = "max"
+    for_: Annotated[float, "s"] = 0.0
+    max: float | None = None  # in the metric's own suffix
+    min: float | None = None
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        _one_line(self, "name", "source")
+        if self.max is None and self.min is None:
+            raise ValueError(f"the check of '{self.metric}' needs 'max' or 'min'")
+        if self.max is not None and self.min is not None and self.max < self.min:
+            raise ValueError(f"the check of '{self.metric}' has max below min")
+        if self.for_ < 0:
+            raise ValueError("for_s must not be negative")
+
+
+@dataclass(frozen=True)
+class Departure:
+    """From a time on the bank follows something else than the law of the autopilot, and no tracker is told.
+
+    ``flies``: the "beacon" law or the "route" law (again), a "bank" that is held by hand, or the law of the autopilot
+    about a line beside the leg ("offset").
+    """
+
+    at: Annotated[float, "s"]
+    flies: Literal["beacon", "route", "bank", "offset"]
+    bank: Annotated[float | None, "rad"] = None  # + right
+    offset: Annotated[float | None, "m"] = None  # + right of the leg
+
+    def __post_init__(self) -> None:
+        if not self.at >= 0.0:
+            raise ValueError("at must not be negative")
+        for name in ("bank", "offset"):
+            if (getattr(self, name) is not None) != (self.flies == name):
+                raise ValueError(f'{name} belongs to flies = "{name}", and to nothing else')
+        if self.bank is not None and not abs(self.bank) <= math.radians(60):
+            raise ValueError("bank must be at most 60 degrees to either side")
+
+
+@dataclass(frozen=True)
+class StudyCheck:
+    """What a share of all flights of a study must keep, with a confidence that the number of flights gives."""
+
+    metric: str
+    name: str | None = None
+    max: float | None = None  # in the metric's own suffix
+    min: float | None = None
+    share: float = 0.95  # of the flights, at least
+    confidence: float = 0.95  # one-sided
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        _one_line(self, "name", "source")
+        if (self.max is None) == (self.min is None):
+            raise ValueError(f"the check of '{self.metric}' needs either 'max' or 'min'")
+        for name in ("share", "confidence"):
+            if not 0 < getattr(self, name) < 1:
+                raise ValueError(f"the check of '{self.metric}' needs a {name} between 0 and 1, such as 0.95")
+
+
+@dataclass(frozen=True)
+class StudyTable:
+    """What a study varies, how many samples it draws of what is distributed, and what its flights must keep."""
+
+    axes: dict[str, Any]
+    samples: int = 1
+    show: tuple[str, ...] = ()  # metrics that the report draws; absent = those of the checks, or the usual ones
+    theory: Literal["orbit", "energy", "gain"] | None = None  # the border that maps draw
+    checks: tuple[StudyCheck, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.axes:
+            raise ValueError("axes are empty: a study varies at least one value")
+        if self.samples < 1:
+            raise ValueError("samples must be at least 1")
+        drawn = [one for one in self.varied if isinstance(one, Sampled)]
+        if self.samples > 1 and not drawn:
+            raise ValueError("samples are drawn from distributions, and no axis is one; take 'samples' out")
+        sobol = any(one.distribution == "sobol" for one in drawn)
+        if sobol and self.samples & (self.samples - 1):
+            below = 1 << (self.samples.bit_length() - 1)
+            raise ValueError(f"samples of sobol axes must be a power of two: {below} or {2 * below}")
+
+    @property
+    def varied(self) -> tuple[Axis, ...]:
+        """The axes, in the order of the file."""
+        return tuple(axis(address, given) for address, given in self.axes.items())

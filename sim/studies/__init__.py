@@ -1,0 +1,1 @@
+"""Many flights: what a study varies, its jobs and folder, its figures and its page."""

@@ -1,0 +1,77 @@
+"""Where along one value of a scenario a figure of its flight passes a limit, by bisection."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from sim.errors import ScenarioError, did_you_mean
+from sim.experiment import fly
+from sim.flight.preparation import prepare
+from sim.metrics.checks import SCALARS
+from sim.metrics.flight import flight_metrics
+from sim.scenario.reading import read
+
+FAILED = ("diverged", "orbit", "envelope")  # outcomes of flights that are beyond every limit
+
+
+class Border(NamedTuple):
+    """Two values of the scenario between which the figure passes the limit, and how many flights it took."""
+
+    below: float
+    above: float
+    flights: int
+
+    @property
+    def value(self) -> float:
+        """Geometric middle."""
+        return math.sqrt(self.below * self.above)
+
+
+def border(
+    source: str | Path | dict[str, Any],
+    address: str,
+    low: float,
+    high: float,
+    metric: str,
+    limit: float,
+    *,
+    overrides: dict[str, Any] | None = None,
+    within: float = 0.01,
+) -> Border:
+    """The value of ``address`` (``table.key``, in the spelling of files) above which a metric exceeds a limit.
+
+    Flight 0 is flown at every value. A flight that diverges, orbits or leaves the envelope exceeds every limit.
+
+    Parameters
+    ----------
+    low, high : positive values between which the border lies
+    metric, limit : a scalar of the flight's metrics, in its own suffix
+    within : relative width of the interval that is found
+
+    Raises ``ScenarioError`` when the border does not lie between the values.
+    """
+    if metric not in SCALARS:
+        raise ScenarioError(f"no metric '{metric}'; {did_you_mean(metric, SCALARS)}")
+    if not 0.0 < low < high or not within > 0.0:
+        raise ScenarioError(f"a border is looked for between 0 < low < high, not between {low:g} and {high:g}")
+
+    def exceeds(value: float) -> bool:
+        prepared = prepare(read(source, {**(overrides or {}), address: value}))
+        flight = fly(prepared)
+        figure: Any = flight_metrics(flight, prepared.scenario.runway, prepared.law.bank_limit)
+        for part in metric.split("."):
+            figure = None if figure is None else figure[part]
+        return flight.outcome in FAILED or (figure is not None and figure > limit)
+
+    if exceeds(low):
+        raise ScenarioError(f"{metric} exceeds {limit:g} already at {address} = {low:g}")
+    if not exceeds(high):
+        raise ScenarioError(f"{metric} does not exceed {limit:g} even at {address} = {high:g}")
+    flights = 2
+    while high / low - 1.0 > within:
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if exceeds(middle) else (middle, high)
+        flights += 1
+    return Border(low, high, flights)

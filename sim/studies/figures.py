@@ -1,0 +1,247 @@
+"""Figures of a study: maps over two chosen axes, curves over one, distributions where everything is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sim.reporting.figures import style
+from sim.reporting.figures.style import Chart
+from sim.reporting.text.labels import split, words
+from sim.studies.theory import THEORIES, Line
+
+MOST_LINES = 6
+FINE = 101  # points of a line of theory over x
+SECTIONS = 4  # lines of a map that are drawn beside theory
+OUTCOME_COLOURS = {
+    "completed": style.SKY,
+    "landed": style.GREEN,
+    "orbit": style.VERMILION,
+    "diverged": style.BLACK,
+    "envelope": style.PURPLE,
+    "go_around": style.ORANGE,
+    "ground": style.GREY,
+    "time_limit": style.LIGHT,
+    "crashed": "#FFFFFF",
+}
+
+
+class Scale(NamedTuple):
+    """An axis of a figure: where its values stand and what is written there."""
+
+    label: str
+    at: np.ndarray
+    ticks: tuple[str, ...] | None  # words instead of numbers
+
+
+def study_charts(
+    scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any]], shown: Sequence[str]
+) -> list[Chart]:
+    """One chart for each shown figure, and one of outcomes where they differ over a map."""
+    listed = [address for address, axis in metrics["axes"].items() if "values" in axis]
+    if not listed:
+        return [_distribution(name, records, metrics["checks"]) for name in shown]
+    if len(listed) == 1:
+        return [_curves(name, listed[0], None, metrics) for name in shown]
+    fewest = min(len(metrics["axes"][address]["values"]) for address in listed[:2])
+    if fewest <= MOST_LINES and scenario.study.theory is None:
+        few, many = sorted(listed[:2], key=lambda address: len(metrics["axes"][address]["values"]))
+        return [_curves(name, many, few, metrics) for name in shown]
+    lines = _lines(scenario, metrics, listed[0], listed[1])
+    charts = [_outcome_map(listed[0], listed[1], metrics, lines)] if len(metrics["outcomes"]) > 1 else []
+    charts += [_map(name, listed[0], listed[1], metrics, lines) for name in shown]
+    return charts + _sections(scenario, metrics, listed[0], listed[1], shown)
+
+
+def _lines(scenario: Any, metrics: dict[str, Any], x: str, y: str) -> tuple[Line, ...]:
+    """What theory says about a map."""
+    if scenario.study.theory is None:
+        return ()
+    values = metrics["axes"][x]["values"]
+    fine = np.linspace(min(values), max(values), FINE)
+    return THEORIES[scenario.study.theory].lines(scenario, fine, np.array(metrics["axes"][y]["values"], float))
+
+
+def _draw(axes: Any, lines: Sequence[Line]) -> None:
+    """Borders over a map, which keeps its own extent."""
+    extent = axes.get_xlim(), axes.get_ylim()
+    for line, dashes in zip(lines, ("-", "--", ":"), strict=False):
+        axes.plot(line.x, line.y, color=style.BLACK, linewidth=1.6, linestyle=dashes, label=line.label)
+    axes.set_xlim(extent[0])
+    axes.set_ylim(extent[1])
+
+
+def scale(address: str, values: Sequence[Any]) -> Scale:
+    """Numbers where they are, words one beside the other."""
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return Scale(label(address), np.array(values, float), None)
+    return Scale(label(address), np.arange(len(values), dtype=float), tuple(map(str, values)))
+
+
+def figure_of(row: dict[str, Any], name: str) -> dict[str, Any] | None:
+    """The spread of a figure in a cell; of ``A / B`` the ratio of their medians."""
+    above, slash, below = name.partition(" / ")
+    if not slash:
+        found: dict[str, Any] | None = row.get(name)
+        return found
+    one, other = row.get(above), row.get(below)
+    ratio = one["p50"] / other["p50"] if one and other and other["p50"] else None
+    return None if ratio is None else {"n": 1, "p50": ratio}
+
+
+def label(name: str) -> str:
+    """A dotted name with its unit, for people."""
+    above, slash, below = name.partition(" / ")
+    if slash:
+        return f"{label(above)} / {label(below)}"
+    own = name.removeprefix("trackers.").removeprefix("wind.events.")
+    text, unit = split(own.replace(".overall.", " ").replace(".", " "))
+    return f"{text}, {unit}" if unit else text
+
+
+def _set(axis: Any, scale: Scale) -> None:
+    axis.set_label_text(scale.label)
+    if scale.ticks is not None:
+        axis.set_ticks(scale.at, scale.ticks)
+
+
+def _first_of_the_rest(metrics: dict[str, Any], kept: Sequence[str]) -> list[dict[str, Any]]:
+    """Rows over the kept axes, at the first value of every other one."""
+    fixed = {
+        address: axis["values"][0]
+        for address, axis in metrics["axes"].items()
+        if "values" in axis and address not in kept
+    }
+    return [row for row in metrics["rows"] if all(row[address] == value for address, value in fixed.items())]
+
+
+def _table(metrics: dict[str, Any], x: str, y: str, get: Any) -> np.ndarray:
+    """(values of y, values of x) of something of each row."""
+    xs, ys = metrics["axes"][x]["values"], metrics["axes"][y]["values"]
+    table = np.full((len(ys), len(xs)), np.nan)
+    for row in _first_of_the_rest(metrics, (x, y)):
+        table[ys.index(row[y]), xs.index(row[x])] = get(row)
+    return table
+
+
+def _edges(at: np.ndarray) -> np.ndarray:
+    """Borders of the cells about the values."""
+    if len(at) == 1:
+        return np.array([at[0] - 0.5, at[0] + 0.5])
+    middle = (at[1:] + at[:-1]) / 2
+    return np.concatenate(([2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]))
+
+
+def _map(name: str, x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line]) -> Chart:
+    table = _table(metrics, x, y, lambda row: (figure_of(row, name) or {}).get("p50", np.nan))
+    across, up = (scale(address, metrics["axes"][address]["values"]) for address in (x, y))
+    figure, (axes,) = style.panels(3.4, top=0.3 if lines else style.TOP)
+    axes.grid(False)
+    axes.set_facecolor(style.LIGHT)
+    ratio = " / " in name
+    scaled = np.log10(table) if ratio else table
+    look = {"cmap": "RdBu_r", "vmin": -(most := np.nanmax(np.abs(scaled))), "vmax": most} if ratio else {}
+    mesh = axes.pcolormesh(_edges(across.at), _edges(up.at), scaled, linewidth=0, **look)
+    _draw(axes, lines)
+    if lines:
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(lines))
+    if ratio and np.nanmin(scaled) < 0 < np.nanmax(scaled) and min(table.shape) > 1:
+        axes.contour(across.at, up.at, scaled, levels=[0.0], colors=style.BLACK, linewidths=1.4)
+    figure.colorbar(mesh, ax=axes, label="log10 of the ratio" if ratio else label(name), pad=0.02)
+    _set(axes.xaxis, across)
+    _set(axes.yaxis, up)
+    caption = "Median of the flights of each cell; grey where no flight has the figure."
+    if ratio:
+        caption = "Ratio of medians, logarithmic; the black line is where the two are equal."
+    return Chart(label(name), style.data_uri(figure), caption)
+
+
+def _outcome_map(x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line]) -> Chart:
+    names = sorted(metrics["outcomes"])
+    table = _table(metrics, x, y, lambda row: names.index(max(sorted(row["outcomes"]), key=row["outcomes"].get)))
+    across, up = (scale(address, metrics["axes"][address]["values"]) for address in (x, y))
+    from matplotlib.colors import ListedColormap
+
+    figure, (axes,) = style.panels(3.4, top=0.3)
+    axes.grid(False)
+    colours = ListedColormap([OUTCOME_COLOURS.get(name, style.GREY) for name in names])
+    axes.pcolormesh(_edges(across.at), _edges(up.at), table, cmap=colours, vmin=-0.5, vmax=len(names) - 0.5)
+    for name in names:
+        axes.plot([], [], "s", color=OUTCOME_COLOURS.get(name, style.GREY), label=words(name))
+    _draw(axes, lines)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(names) + 1)
+    _set(axes.xaxis, across)
+    _set(axes.yaxis, up)
+    return Chart("Outcomes", style.data_uri(figure), "The commonest outcome of each cell.")
+
+
+def _sections(scenario: Any, metrics: dict[str, Any], x: str, y: str, shown: Sequence[str]) -> list[Chart]:
+    """Lines through a map at some values of y, with the figures that theory predicts along them."""
+    theory = THEORIES.get(scenario.study.theory)
+    if theory is None or theory.figures is None:
+        return []
+    across = scale(x, metrics["axes"][x]["values"])
+    values = metrics["axes"][y]["values"]
+    chosen = [values[i] for i in np.unique(np.linspace(0, len(values) - 1, SECTIONS).round().astype(int))]
+    fine = np.linspace(across.at.min(), across.at.max(), FINE)
+    predicted = {value: [theory.figures(scenario, float(at), value) for at in fine] for value in chosen}
+    charts = []
+    for name in (name for name in shown if name in predicted[chosen[0]][0]):
+        figure, (axes,) = style.panels(2.8, top=0.5)
+        for i, value in enumerate(chosen):
+            rows = [row for row in _first_of_the_rest(metrics, (x, y)) if row[y] == value]
+            flown = [(figure_of(row, name) or {}).get("p50", np.nan) for row in rows]
+            theirs = [np.nan if one[name] is None else one[name] for one in predicted[value]]
+            axes.plot([row[x] for row in rows], flown, "o", markersize=3.5, color=style.TRACKERS[i])
+            axes.plot(fine, theirs, color=style.TRACKERS[i], label=f"{label(y)} = {value:g}")
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+        _set(axes.xaxis, across)
+        axes.set_ylabel(label(name))
+        text = (
+            "Dots: medians of the flights at their end; lines: the cycle that theory predicts, where it predicts one. "
+            "A flight that ends while its swings still fade lies off the line."
+        )
+        charts.append(Chart(f"{label(name)}: theory and flights", style.data_uri(figure), text))
+    return charts
+
+
+def _curves(name: str, x: str, lines: str | None, metrics: dict[str, Any]) -> Chart:
+    across = scale(x, metrics["axes"][x]["values"])
+    figure, (axes,) = style.panels(2.6, top=0.3 if lines else style.TOP)
+    kept = (x,) if lines is None else (x, lines)
+    rows = _first_of_the_rest(metrics, kept)
+    for i, value in enumerate(metrics["axes"][lines]["values"] if lines else [None]):
+        chosen = [row for row in rows if lines is None or row[lines] == value]
+        spread = [figure_of(row, name) or {} for row in chosen]
+        low, mid, high = (np.array([one.get(p, np.nan) for one in spread]) for p in ("p5", "p50", "p95"))
+        colour = style.TRACKERS[i]
+        text = None if lines is None else f"{label(lines)} = {value:g}" if isinstance(value, int | float) else value
+        axes.plot(across.at, mid, color=colour, marker="o", markersize=2.5, label=text)
+        axes.fill_between(across.at, low, high, color=colour, alpha=0.15, linewidth=0)
+    _limits(axes, name, metrics["checks"])
+    if lines is not None:
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
+    _set(axes.xaxis, across)
+    axes.set_ylabel(label(name))
+    return Chart(label(name), style.data_uri(figure), "Line: median of the flights; band: 5 % to 95 % of them.")
+
+
+def _distribution(name: str, records: Sequence[dict[str, Any]], checks: Sequence[dict[str, Any]]) -> Chart:
+    from sim.studies.metrics import scalars
+
+    values = np.sort([v for record in records for key, v in scalars(record["metrics"]) if key == name])
+    figure, (axes,) = style.panels(2.6)
+    axes.step(values, np.arange(1, len(values) + 1) / len(records), where="post", color=style.BLUE)
+    _limits(axes, name, checks, vertical=True)
+    axes.set_ylim(0, 1.02)
+    axes.set_xlabel(label(name))
+    axes.set_ylabel("share of flights at or below")
+    return Chart(label(name), style.data_uri(figure), f"{len(values)} of {len(records)} flights have this figure.")
+
+
+def _limits(axes: Any, name: str, checks: Sequence[dict[str, Any]], vertical: bool = False) -> None:
+    for check in checks:
+        if check["metric"] == name:
+            (axes.axvline if vertical else axes.axhline)(check["limit"], color=style.VERMILION, linestyle="--", lw=0.8)

@@ -1,0 +1,152 @@
+"""Flights of a study kept in its folder, so that cells that differ in sensors, trackers or checks share them.
+
+A kept flight is named by a hash of all that decides it, and carries a digest of itself: one that is damaged, or is not
+the one asked for, is not there. To keep a flight is a favour: a disk without room costs the favour only.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import io
+import json
+import os
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from aircraft.model_files import folder as model_folder
+from aircraft.state import AircraftState, Command
+from sim.cli.doctor import versions
+from sim.flight.loop import Event, Flight
+from sim.flight.preparation import Prepared
+
+WITHOUT = ("name", "flights", "draws", "sensors", "trackers", "checks", "study")  # of a scenario: not of its flights
+LARGEST_CACHE = 1 << 30  # bytes in one study folder
+RESERVE = 1 << 30  # bytes of the disk that are left to others
+ENDING = ".flight"
+CODE = Path(__file__).resolve().parents[2]
+PACKAGES = ("aircraft", "autopilot", "tracking", "sim")
+
+
+def shared(prepared: Prepared) -> bool:
+    """Whether cells can share this flight: trackers watch it, and none of them flies it."""
+    return bool(prepared.scenario.trackers) and prepared.scenario.autopilot.navigation == "truth"
+
+
+def key(prepared: Prepared, number: int) -> str:
+    """Hash of all that decides a flight: resolved tables, seed, number, aircraft, versions and our own code."""
+    tables = {name: table for name, table in prepared.scenario.tables.items() if name not in WITHOUT}
+    decides = [tables, number, versions(), _code(), _model(prepared.scenario.aircraft.model)]
+    return hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()
+
+
+@functools.cache
+def _code() -> str:
+    """A version tells a release; whoever edits the code between two studies must not get the flights of the old one."""
+    return _digest(path for package in PACKAGES for path in (CODE / package).rglob("*.py"))
+
+
+@functools.lru_cache(maxsize=4)
+def _model(name: str) -> str:
+    """Files of a model; those that it takes from JSBSim are told by its version."""
+    if name == "point_mass":
+        return ""
+    home = model_folder(name)
+    return _digest(path for suffix in ("xml", "toml") for path in home.rglob(f"*.{suffix}"))
+
+
+def _digest(paths: Iterable[Path]) -> str:
+    found = hashlib.sha256()
+    for path in sorted(paths):
+        found.update(path.name.encode() + path.read_bytes())
+    return found.hexdigest()
+
+
+def load(cache: Path, name: str, prepared: Prepared) -> Flight | None:
+    """The kept flight of this name; None where there is none, and where there is anything but it."""
+    path = cache / f"{name}{ENDING}"
+    try:
+        digest, payload = _parted(path.read_bytes())
+        if hashlib.sha256(payload).digest() != digest:
+            raise ValueError("damaged")
+        with np.load(io.BytesIO(payload)) as arrays:
+            told = json.loads(str(arrays["told"]))
+            if told["name"] != name:
+                raise ValueError("another flight")
+            found = Flight(
+                prepared.route,
+                AircraftState(*arrays["state"].T),
+                Command(*arrays["command"].T),
+                arrays["leg"],
+                arrays["phase"],
+                tuple(told["phases"]),
+                tuple(Event(*event) for event in told["events"]),
+                told["outcome"],
+                told["reason"],
+            )
+        os.utime(path)  # still of use
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, TypeError):
+        with contextlib.suppress(OSError):
+            path.unlink()
+        return None
+    return found
+
+
+def _parted(content: bytes) -> tuple[bytes, bytes]:
+    size = hashlib.sha256().digest_size
+    return content[:size], content[size:]
+
+
+def store(cache: Path, name: str, flight: Flight) -> None:
+    """Keep a flight, where there is a cache with room for it."""
+    told = {
+        "name": name,
+        "phases": flight.phases,
+        "events": flight.events,
+        "outcome": flight.outcome,
+        "reason": flight.reason,
+    }
+    buffer = io.BytesIO()
+    np.savez(
+        buffer,
+        state=_as_recorded(flight.state),
+        command=_as_recorded(flight.command),
+        leg=flight.leg,
+        phase=flight.phase,
+        told=np.array(json.dumps(told)),
+    )
+    payload = buffer.getvalue()
+    partial = cache / f".{name}.{os.getpid()}.partial"
+    try:
+        if not _has_room(cache, len(payload)):
+            return
+        partial.write_bytes(hashlib.sha256(payload).digest() + payload)
+        os.replace(partial, cache / f"{name}{ENDING}")
+    except OSError:
+        with contextlib.suppress(OSError):
+            partial.unlink()
+
+
+def _as_recorded(columns: Any) -> np.ndarray:
+    """(k, n) in the order of memory in which fly() leaves a record: sums depend on it."""
+    return np.ascontiguousarray(np.array(columns).T)
+
+
+def _has_room(cache: Path, size: int) -> bool:
+    taken = sum(entry.stat().st_size for entry in os.scandir(cache))
+    return taken + size <= LARGEST_CACHE and shutil.disk_usage(cache).free - size >= RESERVE
+
+
+def prune(cache: Path, since: float) -> None:
+    """Drop what no flight since ``since`` (s of the file system) has asked for, and what crashes left half written."""
+    for path in cache.iterdir() if cache.is_dir() else ():
+        with contextlib.suppress(OSError):
+            if path.suffix == ".partial" or path.stat().st_mtime < since:
+                path.unlink()

@@ -1,0 +1,190 @@
+"""The folder of a study: whose it is, its append-only log of flights, and files that are whole or absent."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from sim.cli.doctor import versions
+from sim.errors import OutputError
+from sim.files import claim, plain
+
+LOG, SCENARIO, IDENTITY = "flights.jsonl", "scenario.toml", "cache/identity.json"
+RESULTS = ("metrics.json", "report.html")
+
+
+def identity(text: str, seed: int) -> dict[str, Any]:
+    """What decides the numbers of a study: its scenario file, its seed and the versions of all that computes."""
+    return {"seed": seed, "scenario": hashlib.sha256(text.encode()).hexdigest(), "versions": versions()}
+
+
+def open_study(folder: Path, text: str, seed: int, anew: bool = False) -> None:
+    """Make a folder that of this study: new, or the same study's; ``anew`` throws another study away.
+
+    Raises ``OutputError`` with one sentence.
+    """
+    mine = identity(text, seed)
+    begun = (folder / IDENTITY).is_file() and not anew
+    if begun and (theirs := _identity_of(folder)) != mine:
+        raise OutputError(f"{folder}: holds {_difference(theirs, mine)}; choose another folder with -o, or --anew")
+    claim(folder, "study")
+    with _told(folder):
+        flights_of(folder).mkdir(parents=True, exist_ok=True)
+    with locked(folder), _told(folder):
+        if not begun:
+            for name in (LOG, *RESULTS):
+                (folder / name).unlink(missing_ok=True)
+        replace(folder / SCENARIO, text)
+        if not begun:
+            replace(folder / IDENTITY, json.dumps(mine, sort_keys=True, indent=1) + "\n")
+
+
+def flights_of(folder: Path) -> Path:
+    """Where flights are kept that cells share."""
+    return folder / "cache" / "flights"
+
+
+def begun(folder: Path) -> float:
+    """When the study of a folder was begun, by the clock of its file system."""
+    return (folder / IDENTITY).stat().st_mtime
+
+
+def check_study(folder: Path, seed: int, anyway: bool = False) -> None:
+    """Refuse to go on with a study that something else began, unless told to go on ``anyway``."""
+    theirs, mine = _identity_of(folder), identity(read_scenario(folder), seed)
+    if theirs != mine and not anyway:
+        raise OutputError(f"{folder}: holds {_difference(theirs, mine)}; resume it with --anyway to go on all the same")
+
+
+def read_scenario(folder: Path) -> str:
+    """The resolved scenario file of a study folder."""
+    try:
+        return (folder / SCENARIO).read_text()
+    except (OSError, UnicodeDecodeError):
+        raise OutputError(f"{folder}: is no study folder: it has no {SCENARIO}") from None
+
+
+def _identity_of(folder: Path) -> dict[str, Any]:
+    try:
+        found = json.loads((folder / IDENTITY).read_text())
+    except (OSError, ValueError):
+        found = None
+    if not isinstance(found, dict) or not isinstance(found.get("versions", {}), dict):
+        raise OutputError(f"{folder}: is no study folder: it has no {IDENTITY}")
+    return found
+
+
+def _difference(theirs: dict[str, Any], mine: dict[str, Any]) -> str:
+    """What stands in the folder, in words."""
+    if theirs.get("seed") != mine["seed"]:
+        return f"a study with seed {theirs.get('seed')}, not {mine['seed']}"
+    if theirs.get("scenario") != mine["scenario"]:
+        return "a study of another scenario"
+    old, new = theirs.get("versions", {}), mine["versions"]
+    changed = [f"{name} {old.get(name)}, not {new[name]}" for name in sorted(new) if old.get(name) != new[name]]
+    return f"a study begun with {'; '.join(changed)}"
+
+
+def replace(path: Path, text: str) -> None:
+    """Write a file so that it is whole or the old one, whatever happens."""
+    partial = path.with_name(f".{path.name}.partial")
+    try:
+        with partial.open("w") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(partial, path)
+        _sync(path.parent)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def replace_json(path: Path, content: Any) -> None:
+    """A JSON file with sorted keys, whole or not at all."""
+    replace(path, json.dumps(plain(content), sort_keys=True, indent=1, allow_nan=False) + "\n")
+
+
+def _sync(folder: Path) -> None:
+    """A new name is safe once its folder is on the disk."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+@contextlib.contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Only one process at a time works in a study folder; the lock dies with its holder."""
+    with _told(folder):
+        handle = os.open(folder / "cache" / "lock", os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise OutputError(f"{folder}: another process is working on this study; wait for it") from None
+        yield
+    finally:
+        os.close(handle)
+
+
+def line(record: dict[str, Any]) -> str:
+    """One record as it stands in the log."""
+    return json.dumps(plain(record), sort_keys=True, allow_nan=False, separators=(",", ":")) + "\n"
+
+
+def read_log(folder: Path) -> list[dict[str, Any]]:
+    """The records of finished flights; a last line that is torn, by a crash or because it is being written, is not."""
+    path = folder / LOG
+    try:
+        return [json.loads(text) for text in _whole_lines(path).split(b"\n") if text]
+    except ValueError:
+        raise OutputError(f"{path}: is damaged; take out the line that is no JSON, or start the study --anew") from None
+
+
+def mend_log(folder: Path) -> None:
+    """Cut a last line off that was torn by a crash; only for who holds the lock."""
+    path = folder / LOG
+    with _told(folder):
+        if path.exists():
+            os.truncate(path, len(_whole_lines(path)))
+
+
+def _whole_lines(path: Path) -> bytes:
+    with _told(path.parent):
+        whole, newline, _ = path.read_bytes().rpartition(b"\n") if path.exists() else (b"", b"", b"")
+    return whole + newline
+
+
+@contextlib.contextmanager
+def appending(folder: Path) -> Iterator[Callable[[dict[str, Any]], None]]:
+    """A function that adds a record to the log; what it wrote is on the disk when it returns."""
+    with _told(folder):
+        handle = os.open(folder / LOG, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    try:
+
+        def append(record: dict[str, Any]) -> None:
+            with _told(folder):
+                data = line(record).encode()
+                while data:
+                    data = data[os.write(handle, data) :]
+                os.fsync(handle)
+
+        yield append
+    finally:
+        os.close(handle)
+
+
+@contextlib.contextmanager
+def _told(folder: Path) -> Iterator[None]:
+    """A full or read-only disk in one sentence; what was finished stays."""
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written: {error.strerror}; finished flights are kept") from None

@@ -1,0 +1,101 @@
+"""One flight of a study, in a worker or anywhere: resolved tables in, a plain record out."""
+
+from __future__ import annotations
+
+import functools
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from sim.errors import ScenarioError
+from sim.flight.loop import Flight
+from sim.flight.preparation import Prepared, prepare
+from sim.metrics.checks import judge
+from sim.metrics.flight import flight_metrics
+from sim.scenario.reading import override, read
+from sim.studies import flight_cache
+
+CRASHED = "crashed"  # the outcome of a flight that could not be flown to any end
+
+
+class Job(NamedTuple):
+    """One flight: which it is, and the tables and the number that say everything about it."""
+
+    cell: int
+    sample: int
+    flight: int  # addresses turbulence and noise; the same numbers in every cell
+    values: dict[str, Any]  # of all axes
+    tables: dict[str, Any]  # of the cell, with the gains designed for it
+    drawn: dict[str, float]  # what the sample changes
+    cache: str | None = None  # folder of flights that cells share
+
+
+def fly(job: Job) -> dict[str, Any]:
+    """The record of one flight; a flight that cannot begin is a record too."""
+    try:
+        prepared = _prepared(json.dumps(job.tables), json.dumps(job.drawn))
+        return _record(job, *_judged(prepared, job.flight, _flight(prepared, job)))
+    except ScenarioError as error:
+        return lost(job, str(error))
+
+
+def lost(job: Job, reason: str) -> dict[str, Any]:
+    """The record of a flight that gave nothing."""
+    return _record(job, {"outcome": CRASHED, "reason": reason}, [])
+
+
+def with_values(tables: dict[str, Any], values: dict[str, Any]) -> dict[str, Any]:
+    """The tables with the values of axes in their places."""
+    for address, value in values.items():
+        tables = override(tables, address, value)
+    return tables
+
+
+def _record(job: Job, metrics: dict[str, Any], checks: list[dict[str, Any]]) -> dict[str, Any]:
+    return {
+        "cell": job.cell,
+        "sample": job.sample,
+        "flight": job.flight,
+        "values": job.values,
+        "metrics": metrics,
+        "checks": checks,
+    }
+
+
+@functools.lru_cache(maxsize=1)
+def _prepared(tables: str, drawn: str) -> Prepared:
+    """Flights of one sample come in a row and share their preparation."""
+    return prepare(read(with_values(json.loads(tables), json.loads(drawn))))
+
+
+def _flight(prepared: Prepared, job: Job) -> Flight:
+    """The flight of a job, flown unless another cell of the study has flown it."""
+    from sim import experiment
+
+    if job.cache is None or not flight_cache.shared(prepared):
+        return experiment.fly(prepared, job.flight)
+    place, name = Path(job.cache), flight_cache.key(prepared, job.flight)
+    flight = flight_cache.load(place, name, prepared)
+    if flight is None:
+        flight = experiment.fly(prepared, job.flight)
+        flight_cache.store(place, name, flight)
+    return flight
+
+
+def _judged(prepared: Prepared, number: int, flight: Flight) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Figures and checks of a flight that its trackers watch."""
+    from sim.estimation.tracking_run import track
+    from sim.metrics.navigation import navigated
+    from sim.observation.record import observe
+
+    scenario = prepared.scenario
+    metrics = flight_metrics(flight, scenario.runway, prepared.law.bank_limit)
+    if scenario.trackers:
+        records = observe(flight, scenario.sensors, scenario.seed, number, scenario.draws)
+        tracks, metrics["trackers"] = track(prepared, flight, records, {}, number)
+        name = scenario.autopilot.navigation
+        followed = tracks[name].track if name in tracks else None
+        metrics["navigated"] = navigated(prepared, flight, followed, metrics["trackers"].get(name, {}))
+    judged = judge(scenario.checks, flight, scenario.runway, metrics)
+    kept = ("value", "margin", "time_s", "passed")
+    return metrics, [{key: check[key] for key in kept} for check in judged]

@@ -1,0 +1,99 @@
+"""One self-contained HTML page about a study: how all flights ended, figures over the axes, the table of cells."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import resources
+from typing import Any
+
+from sim.reporting.figures import style
+from sim.reporting.text.labels import ABSENT, words
+from sim.scenario.toml_writer import dumps
+from sim.studies.figures import figure_of, study_charts
+from sim.studies.theory import predicted_figures
+
+MOST_ROWS = 500  # of the table on the page; metrics.json has them all
+
+
+def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any]]) -> str:
+    """The text of report.html, from metrics.json and the sorted log."""
+    import jinja2
+
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    template = environment.from_string(
+        (resources.files("sim.reporting.templates") / "study.html").read_text(encoding="utf-8")
+    )
+    shown = shown_metrics(scenario, metrics)
+    with style.drawing():
+        charts = study_charts(scenario, metrics, records, shown)
+    predicted = predicted_figures(scenario, metrics["rows"][:MOST_ROWS])
+    failed = [check["name"] for check in metrics["checks"] if check["passed"] is False]
+    ended = ", ".join(f"{count} {words(name)}" for name, count in sorted(metrics["outcomes"].items()))
+    return str(
+        template.render(
+            name=scenario.name,
+            sentence=f"{metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}.",
+            good=not failed and "crashed" not in metrics["outcomes"],
+            failed=failed,
+            charts=charts,
+            checks=[_check(check) for check in metrics["checks"]],
+            axes=[_axis(address, axis) for address, axis in metrics["axes"].items()],
+            heads=[*metrics["axes"], "flights", "outcomes", *shown, *(f"{name} by theory" for name in predicted)],
+            rows=[
+                [*_row(row, metrics["axes"], shown), *(_value(column[i]) for column in predicted.values())]
+                for i, row in enumerate(metrics["rows"][:MOST_ROWS])
+            ],
+            left_out=max(0, len(metrics["rows"]) - MOST_ROWS),
+            seed=metrics["seed"],
+            versions=sorted(metrics["versions"].items()),
+            scenario_text=dumps(scenario.tables),
+        )
+    )
+
+
+def shown_metrics(scenario: Any, metrics: dict[str, Any]) -> list[str]:
+    """The figures that the study asks for, else those of its checks, else the usual ones; only what was flown."""
+    usual = ("overshoot_m", "settling_s", "time_saturated_s", "bank_max_deg")
+    asked = scenario.study.show or [check["metric"] for check in metrics["checks"]] or usual
+    flown = {name for row in metrics["rows"] for name in row}
+    return [name for name in dict.fromkeys(asked) if all(part in flown for part in name.split(" / "))]
+
+
+def _axis(address: str, axis: dict[str, Any]) -> tuple[str, str]:
+    (kind, values), *_ = axis.items()
+    text = ", ".join(_value(value) for value in values)
+    return address, text if kind == "values" else f"{words(kind)} {text}"
+
+
+def _value(value: Any) -> str:
+    """Four figures of a number, a dash for none, words as they are."""
+    if value is None:
+        return ABSENT
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return str(value)
+    return f"{value:.4g}".replace("-", "\N{MINUS SIGN}")
+
+
+def _row(row: dict[str, Any], axes: dict[str, Any], shown: Sequence[str]) -> list[str]:
+    cells = [_spread(row[address]) if "values" not in axis else _value(row[address]) for address, axis in axes.items()]
+    ended = ", ".join(f"{count} {words(name)}" for name, count in sorted(row["outcomes"].items()))
+    return [*cells, str(sum(row["outcomes"].values())), ended, *(_spread(figure_of(row, name)) for name in shown)]
+
+
+def _spread(found: dict[str, Any] | None) -> str:
+    if found is None:
+        return ABSENT
+    if found["n"] == 1:
+        return _value(found["p50"])
+    return f"{_value(found['p50'])} ({_value(found['p5'])} to {_value(found['p95'])})"
+
+
+def _check(check: dict[str, Any]) -> dict[str, Any]:
+    asked = "every flight" if check["share"] == 1.0 else (
+        f"{100 * check['share']:g} % of flights with {100 * check['confidence']:g} % confidence"
+    )  # fmt: skip
+    numbers = {key: _value(check[key]) for key in ("value", "limit", "margin")}
+    verdict = {None: ("open", "not flown"), True: ("held", "held"), False: ("broken", "broken")}[check["passed"]]
+    return {**check, **numbers, "asked": asked, "look": verdict[0], "verdict": verdict[1]}

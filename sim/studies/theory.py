@@ -1,0 +1,153 @@
+"""What theory says about a map before anything is flown: the borders that its figures draw."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from autopilot.design import law_of_frequency
+from autopilot.limit_cycles import LimitedLoop, caught, limited_loop, onset
+from autopilot.route_loop import linear_onset
+from sim.errors import ScenarioError
+from sim.scenario.reading import Scenario, override, read
+
+
+class Line(NamedTuple):
+    """A border in the plane of a map, in the units of its axes."""
+
+    label: str
+    x: np.ndarray
+    y: np.ndarray
+
+
+class Theory(NamedTuple):
+    """What is known of a map over two axes."""
+
+    x: str  # addresses of the axes
+    y: str
+    lines: Callable[[Scenario, np.ndarray, np.ndarray], tuple[Line, ...]]  # (scenario, values of x, values of y)
+    figures: Callable[[Scenario, float, float], dict[str, float | None]] | None = None  # of a cell, as in metrics.json
+
+
+def over_x(label: str, border: Callable[[Any, Scenario, np.ndarray], np.ndarray]) -> Any:
+    """Lines of a theory that is one value of y for each x."""
+
+    def lines(scenario: Scenario, x: np.ndarray, y: np.ndarray) -> tuple[Line, ...]:
+        from sim.flight.preparation import prepare
+
+        return (Line(label, x, border(prepare(scenario).law, scenario, x)),)
+
+    return lines
+
+
+def orbit_border(law: Any, scenario: Scenario, wind: np.ndarray) -> np.ndarray:
+    """The cross-track limit above which the law orbits, m, in a wind that blows away from the line, m/s.
+
+    Far out the bank returns to zero on some course only if k1 min(z_max, offset) < k2 min(zdot_max, closing speed), and
+    the closing speed is at most the airspeed less the wind [Vasylyev 2003, eq. (4)].
+    """
+    airspeed = min(leg.speed for leg in scenario.route.legs)
+    closing = np.minimum(law.cross_track_rate_limit, np.maximum(airspeed - wind, 0.0))
+    border = law.k2 / law.k1 * closing
+    return np.where(border < abs(scenario.start.cross_track), border, math.inf)
+
+
+def energy_border(law: Any, scenario: Scenario, places: np.ndarray) -> np.ndarray:
+    """The strength of a microburst, m/s, above which full power cannot hold speed and glide path, over its place, m.
+
+    Through the air the energy height changes by V ((thrust - drag) / weight - F), and on the glide path it must fall by
+    V sin(glide path): no power holds both once F, over a kilometre, exceeds the steepest climb and the glide path.
+    """
+    from sim.flight.preparation import TIME_LIMIT, prepare
+    from sim.metrics.windshear import steepest_climb, worst_on_the_glide_path
+    from sim.workers.isolation import apart
+
+    prepared = prepare(scenario)
+    landing = prepared.autopilot.landing
+    if landing is None or "burst" not in scenario.wind.events:
+        raise ScenarioError(f'{scenario.name}: theory "energy" needs a landing pattern and a [wind.events.burst]')
+    reserve = apart(scenario, TIME_LIMIT, steepest_climb, prepared) + math.sin(scenario.runway.glide_path)
+    burst = dataclasses.replace(scenario.wind.events["burst"], peak=1.0, at=None, lasts=None)
+
+    def strength(place: float) -> float:
+        there = dataclasses.replace(burst, past_threshold=place)
+        worst = worst_on_the_glide_path(there, scenario.runway, landing.approach_speed, landing.gate.height)
+        return reserve / worst if worst > 0.0 else math.inf
+
+    return np.array([strength(float(place)) for place in places])
+
+
+def gain_lines(scenario: Scenario, x: np.ndarray, y: np.ndarray) -> tuple[Line, ...]:
+    """Shares of the bank loop's bandwidth at which the linear loop is unstable, and its limits sustain a cycle."""
+    offset = abs(scenario.start.cross_track)
+    limited = [_limited_loop(scenario, float(bank)) for bank in y]
+    bandwidths = np.array([one.loop.bandwidth for one in limited])
+    linear = np.array([linear_onset(one.loop, one.bank_limit) for one in limited])
+    onsets = np.array([onset(one, offset) for one in limited])
+    return (
+        Line("theory: linear margin", linear / bandwidths, y),
+        Line(f"theory: describing functions, from {offset:.0f} m", onsets / bandwidths, y),
+    )
+
+
+def gain_figures(scenario: Scenario, share: float, bank: float) -> dict[str, float | None]:
+    """Amplitude and period of the bank in the cycle that an aircraft at rest beside the line is caught by."""
+    limited = _limited_loop(scenario, bank)
+    law = law_of_frequency(share * limited.loop.bandwidth, limited.loop.speed, limited.bank_limit)
+    cycle = caught(limited, law, abs(scenario.start.cross_track))
+    if cycle is None:
+        return {"bank_cycle_deg": None, "bank_cycle_period_s": None}
+    return {"bank_cycle_deg": math.degrees(cycle.bank), "bank_cycle_period_s": cycle.period}
+
+
+def _limited_loop(scenario: Scenario, bank: float) -> LimitedLoop:
+    """The route loop of a scenario, designed for a bank limit (deg), with its limits."""
+    flown = {key: value for key, value in scenario.tables.items() if key != "study"}
+    autopilot = override(flown["autopilot"], "bank_limit_deg", bank)
+    return _limited_loop_of(json.dumps({**flown, "autopilot": autopilot}))
+
+
+@functools.lru_cache(maxsize=64)
+def _limited_loop_of(tables: str) -> LimitedLoop:
+    from sim.flight.linear_model import scenario_loop
+    from sim.flight.preparation import TIME_LIMIT, prepare
+    from sim.workers.isolation import apart
+
+    scenario = read({key: value for key, value in json.loads(tables).items() if value is not None})
+    loop = apart(scenario, TIME_LIMIT, scenario_loop, prepare(scenario))
+    return limited_loop(loop, scenario.autopilot.bank_limit, scenario.autopilot.roll_rate_limit)
+
+
+THEORIES = {
+    "energy": Theory(
+        "wind.events.burst.past_threshold_m",
+        "wind.events.burst.peak_mps",
+        over_x("theory: F over 1 km = steepest climb + glide path", energy_border),
+    ),
+    "gain": Theory("autopilot.frequency_share", "autopilot.bank_limit_deg", gain_lines, gain_figures),
+    "orbit": Theory(
+        "wind.speed_mps",
+        "autopilot.law.cross_track_limit_m",
+        over_x("theory: k1 z_max = k2 (V - wind)", orbit_border),
+    ),
+}
+
+
+def border(name: str, scenario: Scenario, x: np.ndarray) -> np.ndarray:
+    """Values of y on the first border of a theory, over values of x."""
+    return THEORIES[name].lines(scenario, x, np.zeros(1))[0].y
+
+
+def predicted_figures(scenario: Scenario, rows: Sequence[dict[str, Any]]) -> dict[str, list[float | None]]:
+    """Columns of figures that the theory of a study predicts for its cells; empty where it predicts none."""
+    theory = THEORIES.get(scenario.study.theory) if scenario.study and scenario.study.theory else None
+    if theory is None or theory.figures is None or not rows:
+        return {}
+    cells = [theory.figures(scenario, row[theory.x], row[theory.y]) for row in rows]
+    return {name: [cell[name] for cell in cells] for name in cells[0]}

@@ -1,0 +1,243 @@
+"""Flights on a cluster: dask.distributed behind the three calls of an executor.
+
+Whoever can reach the ports of a cluster can run code on it, and on whoever listens to it. So an address on another
+machine is used only with TLS, or when the user insists.
+"""
+
+from __future__ import annotations
+
+import functools
+import ipaddress
+import logging
+import platform
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+from urllib.parse import urlsplit
+
+from sim.errors import OutputError
+from sim.workers.executors import TIME_LIMIT, Job, Lost
+
+ANSWER = 5.0  # s; a scheduler that listens answers at once
+PATIENCE = 60.0  # s without any worker; one that was killed is back by then, where somebody restarts it
+TLS_KEYS = ("ca-file", "client.cert", "client.key")  # of distributed.comm.tls in Dask's configuration
+FLYING = threading.Lock()  # of a worker process: flights share it with no other flight
+
+
+class Refused(NamedTuple):
+    """What a worker says that must not fly."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class ClusterExecutor:
+    """Workers of a cluster, one job each at a time, so that a worker that dies takes no other job with it.
+
+    Jobs of workers that die are run again by the scheduler; one that hangs is lost, and its worker started anew.
+    """
+
+    client: Any
+    address: str
+    time_limit: float = TIME_LIMIT
+    _waiting: deque[Job] = field(default_factory=deque, repr=False)
+    _running: dict[Any, tuple[Job, float]] = field(default_factory=dict, repr=False)
+
+    def submit(self, number: int, function: Callable[..., Any], *arguments: Any) -> None:
+        """Take a job; returns at once."""
+        self._waiting.append(Job(number, function, arguments))
+
+    def finished(self) -> Iterator[tuple[int, Any]]:
+        """Results as they end."""
+        absent = None
+        while self._waiting or self._running:
+            with self._told():
+                threads = sum(self.client.nthreads().values())
+            absent = None if threads else absent or time.monotonic()
+            if absent is not None and time.monotonic() - absent > PATIENCE:
+                raise OutputError(f"cluster {self.address}: has no worker left; finished flights are kept")
+            while self._waiting and len(self._running) < threads:
+                self._start(self._waiting.popleft())
+            for future in self._ended():
+                job, _ = self._running.pop(future)
+                absent = None
+                yield job.number, self._result(future)
+            yield from self._overdue()
+
+    def close(self) -> None:
+        """Take back all that still runs and leave the cluster."""
+        self._waiting.clear()
+        if self.client.status == "running":
+            self.client.cancel(list(self._running), force=True)
+        self._running.clear()
+        self.client.close()
+
+    def _start(self, job: Job) -> None:
+        with self._told():
+            future = self.client.submit(_run, numerics(), job.function, *job.arguments, pure=False)
+        self._running[future] = job, time.monotonic()
+
+    def _ended(self) -> list[Any]:
+        """Futures that are done; waits a second at most."""
+        from distributed import wait
+
+        if not self._running:
+            time.sleep(0.1)
+            return []
+        with self._told():
+            try:
+                return list(wait(list(self._running), timeout=1.0, return_when="FIRST_COMPLETED").done)
+            except TimeoutError:
+                return []
+
+    def _result(self, future: Any) -> Any:
+        """The result of a job, or ``Lost``."""
+        from distributed.scheduler import KilledWorker
+
+        with self._told():
+            error = future.exception()
+            result = future.result() if error is None else None
+        if isinstance(result, Refused):
+            raise OutputError(f"cluster {self.address}: {result.reason}; finished flights are kept")
+        if isinstance(error, KilledWorker):  # the scheduler has tried it again as often as it is told to
+            return Lost(f"its worker process died {error.allowed_failures + 1} times")
+        if isinstance(error, MemoryError):
+            return Lost("out of memory")
+        return result if error is None else Lost(f"{type(error).__name__}: {error}")
+
+    def _overdue(self) -> Iterator[tuple[int, Any]]:
+        """Gives up jobs that hang, with the workers that have them."""
+        now = time.monotonic()
+        for future in [one for one, (_, since) in self._running.items() if now - since > self.time_limit]:
+            job, _ = self._running.pop(future)
+            with self._told():
+                stuck = [worker for worker, keys in self.client.processing().items() if future.key in keys]
+                self.client.cancel([future], force=True)
+                self.client.restart_workers(stuck, raise_for_error=False)
+            yield job.number, Lost(f"no answer for {self.time_limit:g} s")
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """A scheduler that went away in one sentence; no error of a job passes here."""
+        try:
+            yield
+        except (OSError, CancelledError, TimeoutError):
+            raise OutputError(f"cluster {self.address}: has gone; finished flights are kept") from None
+
+
+@functools.cache
+def numerics() -> dict[str, str]:
+    """What a machine must have in common with another to compute the same bytes."""
+    from sim.cli.doctor import versions
+
+    found = {name: version for name, version in versions().items() if name != "platform"}
+    return {**found, "machine": platform.machine(), "libc": "-".join(platform.libc_ver())}
+
+
+def _run(expected: dict[str, str], function: Callable[..., Any], *arguments: Any) -> Any:
+    """On a worker: one job, unless this worker would compute other numbers."""
+    found = numerics()
+    if found != expected:
+        return Refused(_difference(f"the worker on {socket.gethostname()}", found, expected))
+    with FLYING:
+        return function(*arguments)
+
+
+def _difference(worker: str, found: dict[str, str], expected: dict[str, str]) -> str:
+    other = [
+        f"{name} {found.get(name)}, not {expected[name]}" for name in expected if found.get(name) != expected[name]
+    ]
+    return f"{worker} has {'; '.join(other)}"
+
+
+def connect(address: str, insecure: bool = False) -> ClusterExecutor:
+    """The executor of a running cluster; raises ``OutputError`` in one sentence for one that cannot be used."""
+    where = _checked(address, insecure)
+    try:
+        import distributed
+    except ImportError:
+        raise OutputError("--cluster needs dask.distributed: pip install 'shortfinal[cluster]'") from None
+    for name in ("distributed", *(one for one in logging.root.manager.loggerDict if one.startswith("distributed."))):
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is told in our own words
+    security = _security(distributed, address) if where.startswith("tls:") else None
+    try:
+        client = distributed.Client(where, timeout=ANSWER, security=security)
+    except Exception as error:  # its transports raise many kinds, and all mean that no scheduler answers there
+        raise OutputError(f"cluster {address}: does not answer as a Dask scheduler ({type(error).__name__})") from None
+    executor = ClusterExecutor(client, address)
+    try:
+        _examine(client, address)
+    except BaseException:
+        executor.close()
+        raise
+    return executor
+
+
+def _checked(address: str, insecure: bool) -> str:
+    """The address with its scheme, once somebody listens there."""
+    text = address if "://" in address else f"tcp://{address}"
+    form = f"cluster {address}: write the address of its scheduler as HOST:PORT, tcp://HOST:PORT or tls://HOST:PORT"
+    try:
+        parts = urlsplit(text)
+        host, port = parts.hostname, parts.port
+    except ValueError:
+        raise OutputError(form) from None
+    if parts.scheme not in ("tcp", "tls") or not host or not port or parts.path.strip("/"):
+        raise OutputError(form)
+    if parts.scheme == "tcp" and not _is_loopback(host) and not insecure:
+        raise OutputError(
+            f"cluster {address}: is on another machine, and without TLS whoever reaches it can run code here; "
+            "use tls://HOST:PORT, or insist with --insecure"
+        )
+    try:
+        socket.create_connection((host, port), timeout=ANSWER).close()
+    except OSError as error:
+        raise OutputError(f"cluster {address}: does not answer: {error.strerror or error}") from None
+    return f"{parts.scheme}://{parts.netloc}"
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def _security(distributed: Any, address: str) -> Any:
+    """The TLS settings of Dask's own configuration."""
+    import dask
+
+    names = [f"distributed.comm.tls.{key}" for key in TLS_KEYS]
+    absent = [name for name in names if not dask.config.get(name, None)]
+    if absent:
+        raise OutputError(f"cluster {address}: TLS needs {', '.join(absent)} in the configuration of Dask")
+    return distributed.Security(require_encryption=True)
+
+
+def _examine(client: Any, address: str) -> None:
+    """Refuse a cluster without workers, with other numbers, or whose workers fly in threads."""
+    try:
+        client.wait_for_workers(1, timeout=ANSWER)
+        found = client.run(numerics, on_error="return")
+        threads = client.nthreads()
+    except (OSError, TimeoutError):
+        raise OutputError(f"cluster {address}: has no worker that answers") from None
+    expected = numerics()
+    for worker, facts in found.items():
+        if isinstance(facts, ImportError):
+            raise OutputError(f"cluster {address}: the worker {worker} has no shortfinal ({facts}); install it there")
+        if isinstance(facts, BaseException):
+            raise OutputError(f"cluster {address}: the worker {worker} is at fault: {facts}")
+        if facts != expected:
+            raise OutputError(f"cluster {address}: {_difference(f'the worker {worker}', facts, expected)}")
+        if threads.get(worker, 1) > 1:
+            raise OutputError(
+                f"cluster {address}: the worker {worker} has {threads[worker]} threads, and flights need processes; "
+                f"start it with --nthreads 1 --nworkers {threads[worker]}"
+            )

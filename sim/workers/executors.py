@@ -1,0 +1,188 @@
+"""Where the flights of a study are flown: one interface of three calls, and worker processes on this machine.
+
+An executor takes jobs, gives back each one as it ends in whatever order, and is closed. A job that is lost (its worker
+aborted, hung or ran out of memory) comes back as ``Lost`` and costs nothing but itself.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Protocol
+
+from sim.workers.blas import THREADS
+
+ATTEMPTS = 3  # a flight whose worker aborts as often is at fault itself
+KILLS = 30  # a worker that is killed from outside is not its flight's fault, unless it happens this often
+TIME_LIMIT = 600.0  # s; the longest flight of 1800 s takes a small part of it
+MEMORY_LIMIT = 4 << 30  # bytes of address space of one worker
+
+
+class Lost(NamedTuple):
+    """A job without a result."""
+
+    reason: str
+
+
+class Executor(Protocol):
+    """Runs jobs somewhere."""
+
+    def submit(self, number: int, function: Callable[..., Any], *arguments: Any) -> None:
+        """Take a job; returns at once."""
+        ...
+
+    def finished(self) -> Iterator[tuple[int, Any]]:
+        """Each job's number and its result or ``Lost``, as they end; ends when no job is left."""
+        ...
+
+    def close(self) -> None:
+        """End all that still runs; the jobs left are forgotten."""
+        ...
+
+
+def prepare_worker(memory_limit: int) -> None:
+    """What every worker does first: Ctrl-C is the parent's affair, and memory has an end."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        import resource
+    except ImportError:  # not a Unix
+        return
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (memory_limit, hard))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))  # no core file
+
+
+class Job(NamedTuple):
+    """What is to be run, and how often its worker has died of it or was killed."""
+
+    number: int
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    aborts: int = 0
+    kills: int = 0
+
+
+@dataclass(frozen=True)
+class LocalExecutor:
+    """Spawned processes with one BLAS thread each.
+
+    Each worker is a pool of its own that holds one job at a time, so whatever happens to a worker, it is known which
+    job it had, and no lock or queue is shared that it could take with it.
+    """
+
+    workers: int = 1
+    time_limit: float = TIME_LIMIT
+    memory_limit: int = MEMORY_LIMIT
+    _waiting: deque[Job] = field(default_factory=deque, repr=False)
+    _running: dict[Future[Any], tuple[Any, Job]] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.workers < 1:
+            raise ValueError("workers must be at least 1")
+
+    def submit(self, number: int, function: Callable[..., Any], *arguments: Any) -> None:
+        """Take a job; returns at once."""
+        self._waiting.append(Job(number, function, arguments))
+
+    def finished(self) -> Iterator[tuple[int, Any]]:
+        """Results as they end."""
+        while self._waiting and len(self._running) < self.workers:
+            self._start(self._pool())
+        while self._running:
+            done, pending = wait(self._running, timeout=1.0, return_when=FIRST_COMPLETED)
+            for future in done | {future for future in pending if not self._running[future][0].active}:
+                pool, job = self._running.pop(future)
+                ended, alive = self._ending(job, future)
+                if not alive:
+                    _stop(pool)
+                    pool = self._pool() if self._waiting else None
+                if pool is not None:
+                    self._start(pool)
+                if ended is not None:
+                    yield job.number, ended
+
+    def close(self) -> None:
+        """End all workers now."""
+        self._waiting.clear()
+        for pool, _ in self._running.values():
+            _stop(pool)
+        self._running.clear()
+
+    def _pool(self) -> Any:
+        from pebble import ProcessPool
+
+        with _one_thread():
+            pool = ProcessPool(
+                max_workers=1,
+                initializer=prepare_worker,
+                initargs=(self.memory_limit,),
+                context=multiprocessing.get_context("spawn"),
+            )
+            pool.active  # noqa: B018 (starts the process while the environment says one thread)
+        return pool
+
+    def _start(self, pool: Any) -> None:
+        if not self._waiting:
+            _stop(pool)
+            return
+        job = self._waiting.popleft()
+        future = pool.schedule(job.function, args=job.arguments, timeout=self.time_limit)
+        self._running[future] = (pool, job)
+
+    def _ending(self, job: Job, future: Future[Any]) -> tuple[Any, bool]:
+        """The result of a job, None where it is tried again; and whether its worker lives."""
+        from concurrent.futures.process import BrokenProcessPool
+
+        from pebble import ProcessExpired
+
+        if not future.done():  # the worker died before it knew its job
+            return self._again(job._replace(kills=job.kills + 1)), False
+        try:
+            return future.result(), True
+        except TimeoutError:
+            return Lost(f"no answer for {self.time_limit:g} s"), False
+        except BrokenProcessPool:  # the same, known to the pool
+            return self._again(job._replace(kills=job.kills + 1)), False
+        except ProcessExpired as error:
+            if error.exitcode == -signal.SIGKILL:
+                return self._again(job._replace(kills=job.kills + 1)), False
+            return self._again(job._replace(aborts=job.aborts + 1)), False
+        except MemoryError:
+            return Lost(f"out of memory ({self.memory_limit >> 20} MB for each worker)"), True
+        except Exception as error:
+            return Lost(f"{type(error).__name__}: {error}"), True
+
+    def _again(self, job: Job) -> Lost | None:
+        """Puts a job back whose worker died, or gives it up."""
+        if job.aborts == ATTEMPTS:
+            return Lost(f"its worker process died {ATTEMPTS} times")
+        if job.kills == KILLS:
+            return Lost(f"its worker process was killed {KILLS} times")
+        self._waiting.appendleft(job)
+        return None
+
+
+@contextlib.contextmanager
+def _one_thread() -> Iterator[None]:
+    """Processes started within compute with one thread each."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name)
+            else:
+                os.environ[name] = value
+
+
+def _stop(pool: Any) -> None:
+    pool.stop()
+    pool.join()

@@ -1,0 +1,226 @@
+"""The command as people use it: exit codes, one sentence for bad input, nothing written where nothing was asked."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from sim.cli.commands import main
+
+CAPTURE = """
+name = "short"
+draws = 4
+until_s = 20
+[route]
+kind = "legs"
+[[route.legs]]
+from_m = [0, 0]
+to_m = [20000, 0]
+speed_mps = 72
+height_m = 600
+[start]
+leg = 0
+cross_track_m = 300
+[sensors.radar]
+kind = "surveillance_radar"
+position_sigma_m = 100
+[trackers.constant_velocity]
+kind = "kalman"
+"""
+
+
+def process(*arguments, cwd):
+    """In a process of its own, as at a prompt."""
+    home = cwd / "home"
+    home.mkdir(exist_ok=True)
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "NO_COLOR": "1", "HOME": str(home)}
+    for name in ("MPLCONFIGDIR", "XDG_CACHE_HOME"):
+        environment.pop(name, None)
+    done = subprocess.run(
+        [sys.executable, "-m", "sim", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        env=environment,
+        timeout=120,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr
+    return done
+
+
+class Done(NamedTuple):
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def command(monkeypatch, capsys, tmp_path):
+    """The same command without the cost of a new process; an exception that escapes fails the test."""
+
+    def call(*arguments):
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["shortfinal", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        out, err = capsys.readouterr()
+        return Done(end.value.code or 0, out, err)
+
+    return call
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    file = tmp_path / "short.toml"
+    file.write_text(CAPTURE)
+    return file
+
+
+def test_a_run_writes_its_folder_and_says_where(command, scenario, tmp_path):
+    done = command("run", scenario)
+    assert done.returncode == 0, done.stderr
+    folder = tmp_path / "out" / "short"
+    names = {file.name for file in folder.iterdir()}
+    wanted = {
+        "scenario.toml",
+        "flight.npz",
+        "measurements.npz",
+        "tracks.npz",
+        "metrics.json",
+        "timing.json",
+        "report.html",
+    }
+    assert names == {*wanted, ".shortfinal"}
+    assert "out/short/report.html" in done.stdout
+    assert (folder / "report.html").stat().st_size < 3e6
+    metrics = json.loads((folder / "metrics.json").read_text())
+    assert metrics["trackers"]["constant_velocity"]["overall"]["position_m"]["raw"] > 0
+
+
+def test_two_processes_write_the_same_bytes(scenario, tmp_path):
+    for name in ("a", "b"):
+        assert process("run", scenario, "-o", tmp_path / name, cwd=tmp_path).returncode == 0
+    assert (tmp_path / "a/metrics.json").read_bytes() == (tmp_path / "b/metrics.json").read_bytes()
+    assert list((tmp_path / "home").iterdir()) == []  # nothing in the user's home, a plotting library's cache included
+
+
+def test_the_resolved_scenario_repeats_the_run(command, scenario, tmp_path):
+    assert command("run", scenario, "-o", tmp_path / "a").returncode == 0
+    assert command("run", tmp_path / "a/scenario.toml", "-o", tmp_path / "b").returncode == 0
+    assert (tmp_path / "a/metrics.json").read_bytes() == (tmp_path / "b/metrics.json").read_bytes()
+
+
+def test_another_seed_gives_other_measurements(command, scenario, tmp_path):
+    for seed in (1, 2):
+        assert command("run", scenario, "--seed", seed, "-o", tmp_path / str(seed)).returncode == 0
+    one, two = (json.loads((tmp_path / str(seed) / "metrics.json").read_text()) for seed in (1, 2))
+    assert one["flight"] == two["flight"]  # calm air: the flight has no random numbers
+    assert one["trackers"] != two["trackers"]
+
+
+def test_a_failed_check_is_exit_one(command, scenario, tmp_path):
+    scenario.write_text(CAPTURE + '[[checks]]\nmetric = "bank_deg"\nmax = 0.1\nsource = "test"\n')
+    done = command("run", scenario)
+    assert done.returncode == 1
+    assert "FAILED" in done.stdout
+
+
+def test_trackers_can_be_taken_out(command, scenario, tmp_path):
+    done = command("run", scenario, "--set", "trackers={}", "--json")
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["trackers"] == {}
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("wind.speed_mps=nan",), "must be a finite number"),
+        (("wind.speed_furlong=3",), "no such key"),
+        (("aircraft.model=an62",), "did you mean"),
+        (("aircraft.mass_kg=-5",), "mass must be above 0"),
+        (("start.height_m=-10",), "a flight starts above the ground"),
+        (("autopilot.law.k1_deg_per_m=0.5", "autopilot.law.cross_track_limit_m=9000"), "orbit"),
+        (("aircraft.model=an26", "route.legs.0.speed_mps=30"), "cannot be trimmed at"),
+        (("nonsense",), "table.key=value"),
+        (("start.leg=7",), "leg must lie within 0 and 0"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_two(command, scenario, tmp_path, change, said):
+    sets = [word for item in change for word in ("--set", item)]
+    done = command("run", scenario, *sets, "-o", tmp_path / "o")
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert said in done.stderr
+    assert not (tmp_path / "o").exists()
+
+
+def test_a_route_too_tight_for_the_bank_limit_names_the_legs(command, tmp_path):
+    file = tmp_path / "tight.toml"
+    legs = [((0, 0), (4000, 0)), ((4000, 0), (4000, 1500)), ((4000, 1500), (0, 1500))]
+    tables = "".join(
+        f"[[route.legs]]\nfrom_m = {list(a)}\nto_m = {list(b)}\nspeed_mps = 72\nheight_m = 500\n" for a, b in legs
+    )
+    file.write_text(f'name = "tight"\n[route]\nkind = "legs"\n{tables}')
+    done = command("validate", file)
+    assert done.returncode == 2
+    assert "leg 1" in done.stderr
+    assert "15 deg of bank" in done.stderr
+
+
+def test_a_foreign_folder_is_left_alone(command, scenario, tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/thesis.txt").write_text("years of work")
+    done = command("run", scenario, "-o", tmp_path / "mine")
+    assert done.returncode == 2
+    assert "did not write" in done.stderr
+    assert [file.name for file in (tmp_path / "mine").iterdir()] == ["thesis.txt"]
+
+
+def test_a_run_folder_may_be_written_again(command, scenario, tmp_path):
+    for _ in range(2):
+        assert command("run", scenario, "-o", tmp_path / "o").returncode == 0
+
+
+def test_nothing_is_written_outside_the_folder(command, scenario, tmp_path):
+    before = set(tmp_path.rglob("*"))
+    assert command("run", scenario, "-o", tmp_path / "o").returncode == 0
+    after = set(tmp_path.rglob("*"))
+    assert all(tmp_path / "o" in (path, *path.parents) for path in after - before)
+
+
+def test_new_writes_a_scenario_that_is_valid(command, tmp_path):
+    done = command("new", "mine.toml")
+    assert done.returncode == 0, done.stderr
+    assert 'name = "mine"' in (tmp_path / "mine.toml").read_text()
+    assert command("validate", "mine.toml").returncode == 0
+    assert "exists already" in command("new", "mine.toml").stderr
+
+
+def test_lists_and_schema_and_doctor_answer(command, tmp_path):
+    listed = command("list").stdout
+    assert "an26_pattern" in listed
+    assert "an26 " in command("list", "--aircraft").stdout
+    assert "surveillance_radar" in command("list", "--kinds").stdout
+    schema = json.loads(command("schema").stdout)
+    assert "bank_limit_deg" in json.dumps(schema)
+    assert command("doctor").returncode == 0
+
+
+def test_help_does_not_import_the_heavy_libraries(tmp_path):
+    probe = (
+        "import sys; sys.argv = ['shortfinal', '--help']\n"
+        "import sim.cli.commands\n"
+        "try: sim.cli.commands.main()\n"
+        "except SystemExit: pass\n"
+        "heavy = {'jsbsim', 'numpy', 'scipy', 'matplotlib', 'control', 'filterpy', 'pydantic'} & set(sys.modules)\n"
+        "sys.exit(f'imported {heavy}' if heavy else 0)"
+    )
+    root = Path(__file__).resolve().parents[3]
+    done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, cwd=root, check=False)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,356 @@
+"""The page as a browser takes it: complete in itself, well formed, inert, and good for any flight."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import itertools
+import re
+from html.parser import HTMLParser
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from autopilot.modes.lateral_navigation import LateralNavigation
+from autopilot.modes.radio_beacon import RadioBeacon
+from autopilot.route import Leg, Route, pattern_route
+from sim.flight.loop import Event
+from sim.metrics.checks import judge
+from sim.metrics.flight import flight_metrics
+from sim.reporting.figures import style
+from sim.reporting.figures.histories import bank_history
+from sim.reporting.figures.phase_portrait import phase_portrait
+from sim.reporting.figures.plan_view import plan_view
+from sim.reporting.run_page import write
+from sim.scenario.reading import read
+from sim.scenario.tables import Runway
+
+LAW = LateralNavigation(0.0025, 0.029, np.radians(15.0), 412.0, 50.0)
+LARGEST = 3_000_000  # bytes, what the report may weigh
+EVIL = "<script>alert('x')</script><img src=http://example.org/x onerror=alert(1)>\"'&{{ 7 * 7 }}"
+CHECKS = [{"metric": "bank_deg", "max": 16.1, "source": "limit 15 deg"}, {"metric": "touchdown.sink_mps", "max": 3.05}]
+VOID = {"meta", "img", "br", "hr", "link", "input"}
+
+
+class Page(HTMLParser):
+    """What a parser sees: tags with attributes, text, and whether every tag is closed."""
+
+    def __init__(self, text):
+        super().__init__(convert_charrefs=True)
+        self.tags, self.open, self.text, self.faults, self.scripts = [], [], "", [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.faults.append(tag)
+
+    def handle_data(self, data):
+        if self.open[-1:] == ["script"]:
+            self.scripts.append(data)
+        else:
+            self.text += data
+
+    def images(self):
+        return [base64.b64decode(a["src"].partition(",")[2]) for tag, a in self.tags if tag == "img"]
+
+
+def scenario(**tables):
+    return read({"name": "tested", "checks": CHECKS, **tables})
+
+
+def written(tmp_path, flight, law=LAW, given=None, **more):
+    given = given or scenario()
+    figures = flight_metrics(flight, given.runway, given.autopilot.bank_limit)
+    metrics = {"flight": figures, "checks": judge(given.checks, flight, given.runway, figures), "seed": 1, "draws": 130}
+    path = write(
+        tmp_path / "report.html", scenario=given, flight=flight, law=law, metrics=metrics | more,
+        versions={"shortfinal": "0.1.0"}, timing={"fly_s": 1.0},
+    )  # fmt: skip
+    return Page(path.read_text(encoding="utf-8"))
+
+
+def capture(make_flight, seconds=60.0, **signals):
+    """A one-leg capture from 300 m: intercept, then final."""
+    time = np.arange(0.0, seconds, 1 / 30)
+    phase = ["final"] * len(time)
+    east = 300.0 * np.exp(-time / 15.0)
+    signals = {
+        "east": east,
+        "velocity_east": -east / 15.0,
+        "north": -40000 + 70 * time,
+        "height": 400.0 + 0 * time,
+    } | signals
+    return make_flight(time, phase, **signals)
+
+
+def landing(make_flight):
+    """The last kilometres of an approach down to the first contact."""
+    time = np.arange(0.0, 60.0, 1 / 30)
+    north = -3000.0 + 58.0 * time
+    height = np.maximum((300.0 - north) * np.tan(np.radians(8 / 3)), 1.0)
+    phase = np.where(height > 9.0, "glide", "flare")
+    wheels = (height <= 1.0).astype(float)
+    end = int(np.argmax(wheels)) + 1
+    cut = {"north": north[:end], "height": height[:end], "main_wheels": wheels[:end], "velocity_up": np.full(end, -0.7)}
+    flight = make_flight(time[:end], phase[:end], **cut, airspeed=np.full(end, 58.0), throttle=np.full(end, 0.4))
+    return dataclasses.replace(flight, outcome="landed")
+
+
+def texts(image):
+    return ["".join(node.itertext()) for node in ElementTree.fromstring(image).iter() if node.tag.endswith("}text")]
+
+
+@pytest.fixture(scope="module")
+def kept():
+    """What is written once and read by many tests."""
+    return {}
+
+
+@pytest.fixture
+def landed(kept, make_flight, tmp_path):
+    """The page about a landing."""
+    if "page" not in kept:
+        kept["page"] = written(tmp_path, landing(make_flight))
+        kept["bytes"] = (tmp_path / "report.html").read_bytes()
+    return kept["page"]
+
+
+def test_the_page_needs_nothing_but_itself(landed):
+    page = landed
+    assert page.faults == []
+    assert page.open == []
+    links = [value for _, a in page.tags for key, value in a.items() if key in ("src", "href", "action", "data")]
+    assert links
+    assert all(link.startswith(("data:image/svg+xml;base64,", "#")) for link in links)
+    policy = next(a["content"] for tag, a in page.tags if a.get("http-equiv") == "Content-Security-Policy")
+    assert "default-src 'none'" in policy
+    inner = [value for image in page.images() for value in re.findall(rb'(?:href|src)="([^"]*)"', image)]
+    assert all(value.startswith(b"#") for value in inner)
+
+
+def test_links_inside_the_page_lead_somewhere(make_flight, tmp_path):
+    short = make_flight(np.arange(3.0), ["final"] * 3)
+    page = written(tmp_path, short, trackers={"t": {"kind": "kalman", "overall": {}, "by_phase": {}}})
+    places = {a["id"] for _, a in page.tags if "id" in a}
+    assert {a["href"][1:] for tag, a in page.tags if tag == "a"} <= places
+
+
+def test_the_first_screen_says_what_happened_before_all_else(landed):
+    page = landed
+    assert "Flare and touchdown" in page.text
+    sentence = "m past the threshold, on the centreline, sinking at 0.70 m/s; both checks held."
+    assert sentence in page.text
+    assert page.text.index(sentence) < page.text.index("flight time") < page.text.index("Plan view")
+    assert "Research software, not for operational use" in page.text
+
+
+def test_the_sources_are_those_of_what_flew(make_flight, tmp_path):
+    flight = make_flight(np.arange(3.0), ["final"] * 3)
+    own = written(tmp_path, flight, given=scenario(aircraft={"model": "an26"}))
+    assert "Antonov An-26" in own.text
+    assert "JSBSim integrates the equations of motion" in own.text
+    beacon = {"kind": "radio_beacon", "law": {"k3": 6.0, "k4": 1.2, "bearing_limit_deg": 5.0}}
+    law = RadioBeacon(6.0, 1.2, np.radians(20.0), np.radians(5.0))
+    point = written(tmp_path, flight, law=law, given=scenario(autopilot=beacon))
+    assert "JSBSim" not in point.text
+    assert "Vasylyev 2003, eq. (5)" in point.text
+    assert "Vasylyev 2003, eq. (4)" not in point.text
+
+
+def test_several_flights_tell_how_all_of_them_ended(make_flight, tmp_path):
+    band = {"p5": 0.4, "p50": 0.5, "p95": 0.9}
+    summary = {"outcomes": {"go_around": 1, "landed": 19}, "touchdown.sink_mps": band}
+    page = written(tmp_path, make_flight(np.arange(3.0), ["final"] * 3), flights=20, flights_summary=summary)
+    assert page.text.count("Outcomes of all 20 flights: 19 landed, 1 go around.") == 2
+    assert "first of 20 flights" in page.text
+
+
+def test_whatever_a_scenario_says_stays_text(make_flight, tmp_path):
+    given = scenario(checks=[{"metric": "bank_deg", "name": EVIL, "max": 16.1, "source": EVIL}])
+    given = dataclasses.replace(given, name=EVIL)
+    flight = capture(make_flight)
+    flight = dataclasses.replace(flight, events=(Event(0.0, EVIL, EVIL),), outcome="diverged", reason=EVIL)
+    tracks = {EVIL: {"kind": EVIL, "law_from": EVIL, "overall": {}, "by_phase": {}}}
+    page = written(tmp_path, flight, given=given, trackers=tracks, warnings=[EVIL])
+    assert {tag for tag, _ in page.tags} & {"iframe", "object", "link", "base", "form"} == set()
+    kinds = [(a.get("type"), a.get("src")) for tag, a in page.tags if tag == "script"]
+    assert kinds == [("application/json", None), (None, None)]  # the replay's data and its script
+    assert [a for _, a in page.tags if any(key.startswith("on") for key in a)] == []
+    assert all(a["src"].startswith("data:") for tag, a in page.tags if tag == "img")
+    assert page.faults == []
+    assert page.text.count("{{ 7 * 7 }}") >= 6
+    assert "49" not in page.text.replace("49.", "")
+
+
+def no_final():
+    route = pattern_route("right", 400.0, 7000.0, 13800.0, 72.0, 69.0, 300.0, 1.0)
+    return {"route": route}
+
+
+FLIGHTS = {
+    "crashed after three records": lambda make: dataclasses.replace(
+        make(np.arange(3) / 30, ["go_around"] * 3), outcome="diverged", reason="no longer finite at 0.07 s"
+    ),
+    "one record": lambda make: make(np.zeros(1), ["final"]),
+    "no final leg": lambda make: make(np.arange(0, 90, 1 / 30), ["go_around"] * 2700, **no_final()),
+    "one leg, due east": lambda make: make(
+        np.arange(90.0),
+        ["final"] * 90,
+        Route((Leg((0.0, 0.0), (0.0, 40000.0), 70.0, 400.0),)),
+        heading=np.full(90, 1.6),
+    ),
+    "a value missing": lambda make: capture(make, height=np.where(np.arange(1800) < 900, 400.0, np.nan)),
+    "all missing but the place": lambda make: make(
+        np.arange(9.0),
+        ["final"] * 9,
+        **dict.fromkeys(("height", "bank", "airspeed", "heading", "flaps"), np.full(9, np.nan)),
+    ),
+}
+
+
+@pytest.mark.parametrize("case", FLIGHTS)
+def test_any_flight_gives_a_whole_report(make_flight, tmp_path, case):
+    page = written(tmp_path, FLIGHTS[case](make_flight))
+    assert page.faults == []
+    titles = [a["alt"].partition(":")[0] for tag, a in page.tags if tag == "img"]
+    assert {"Plan view", "Vertical profile", "Bank and its limits", "Phase portrait of the law", "Deviations"} <= set(
+        titles
+    )
+    assert "Flare and touchdown" not in titles
+    assert not re.search(r"\bnan\b|\binf\b|None", page.text)
+    for image in page.images():
+        ElementTree.fromstring(image)
+        assert not re.search(rb"\bnan\b", image)
+
+
+def test_half_an_hour_of_noise_stays_below_the_limit(make_flight, tmp_path):
+    random = np.random.default_rng(1)
+    time = np.arange(0, 1800, 1 / 30)
+    noisy = {
+        name: random.normal(size=len(time))
+        for name in ("bank", "height", "velocity_up", "pitch", "aileron", "elevator")
+    }
+    noisy |= {"north": 70 * time, "airspeed": 70 + random.normal(size=len(time)), "throttle": random.random(len(time))}
+    flight = make_flight(
+        time, random.permutation(["final", "glide", "flare"] * 18000), **noisy
+    )  # a new phase each record
+    written(tmp_path, flight)
+    assert (tmp_path / "report.html").stat().st_size < LARGEST
+
+
+def test_the_same_flight_gives_the_same_bytes(landed, kept, make_flight, tmp_path):
+    written(tmp_path, landing(make_flight))
+    assert (tmp_path / "report.html").read_bytes() == kept["bytes"]
+
+
+def test_a_user_s_own_matplotlib_settings_are_untouched(make_flight, tmp_path):
+    import matplotlib
+
+    with matplotlib.rc_context({"font.size": 31.0, "axes.grid": False}):
+        page = written(tmp_path, capture(make_flight))
+        assert (matplotlib.rcParams["font.size"], matplotlib.rcParams["axes.grid"]) == (31.0, False)
+    assert not any(b"31px" in image for image in page.images())
+
+
+def test_every_axis_has_its_name_and_unit(landed):
+    for image in landed.images():
+        labels = [
+            text for text in texts(image) if re.search(r", (m|km|s|deg|m/s)\b", text) or text == "share of travel"
+        ]
+        assert len(labels) >= 2
+
+
+def test_seen_by_the_colour_blind_phases_that_meet_differ_in_lightness_or_hue():
+    # Machado's matrix for full deuteranopia, on linear light; two greys 0.12 apart are told apart at a glance
+    simulate = np.array(
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
+    )
+    order = ["intercept", "downwind", "base_turn", "base", "final_turn", "final", "glide", "flare", "ground"]
+    seen = [
+        simulate @ (np.array([int(style.phase_colour(p)[i : i + 2], 16) for i in (1, 3, 5)]) / 255) ** 2.2
+        for p in order
+    ]
+    for before, after in itertools.pairwise(seen):
+        assert np.linalg.norm(before - after) > 0.12
+
+
+def inside(axes, colour):
+    """Vertices of everything that is filled with a colour."""
+    from matplotlib.colors import to_rgba
+
+    found = []
+    for artist in axes.collections:
+        for path, face in zip(artist.get_paths(), artist.get_facecolor(), strict=False):
+            if np.allclose(face, to_rgba(colour)):
+                found += list(path.vertices)
+    return np.array(found)
+
+
+def zero_line(axes):
+    """Vertices of the line of wings level."""
+    (line,) = [c for c in axes.collections if hasattr(c, "levels") and list(c.levels) == [0.0]]
+    return np.concatenate([path.vertices for path in line.get_paths()])
+
+
+def test_wings_are_level_where_the_law_s_own_algebra_says(make_flight):
+    with style.drawing():
+        figure = phase_portrait(capture(make_flight), LAW)
+    for axes in figure.axes:
+        x, y = zero_line(axes).T
+        expected = -LAW.k1 / LAW.k2 * np.clip(x, -LAW.cross_track_limit, LAW.cross_track_limit)
+        cell = 2 * max(axes.get_ylim()) / 120  # one cell of the grid at the corners
+        assert np.abs(y - expected).max() < cell
+        assert np.abs(x).max() > 1.1 * LAW.cross_track_limit  # the level part, the intercept, is in the picture
+
+
+def test_the_beacon_portrait_has_its_own_inputs(make_flight):
+    law = RadioBeacon(6.0, 1.2, np.radians(20.0), np.radians(5.0), "heading")
+    with style.drawing():
+        figure = phase_portrait(capture(make_flight), law)
+    x, y = zero_line(figure.axes[0]).T
+    assert np.abs(y - 5.0 * np.clip(x, -5.0, 5.0)).max() < 2 * max(figure.axes[0].get_ylim()) / 120
+    assert (figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()) == ("bearing error, deg", "heading error, deg")
+
+
+def test_a_law_without_an_offset_limit_is_drawn_too(make_flight):
+    with style.drawing():
+        phase_portrait(capture(make_flight), dataclasses.replace(LAW, cross_track_limit=np.inf))
+
+
+def test_saturation_is_shaded_exactly_where_the_command_stood_at_its_limit(make_flight):
+    time = np.arange(0, 30, 1 / 30)
+    commanded = np.where((time > 10) & (time < 12.01), -LAW.bank_limit, 0.0)
+    flight = make_flight(time, ["final"] * len(time), command_bank=commanded, east=np.where(time < 5, 500.0, 0.0))
+    with style.drawing():
+        figure = bank_history(flight, LAW, LAW.bank_limit)
+    bars = figure.axes[-1]
+    spans = [[path.get_extents().intervalx for path in c.get_paths()] for c in bars.collections]
+    np.testing.assert_allclose(spans[0], [[10 + 1 / 30, 12.0]], atol=1e-9)
+    np.testing.assert_allclose(spans[1], [[0.0, 5.0 - 1 / 30]], atol=1e-9)
+    assert [label.get_text() for label in bars.get_yticklabels()] == ["bank limited", "offset limited", "rate limited"]
+
+
+@pytest.mark.parametrize("course_deg", [0.0, 90.0, 217.0])
+def test_the_map_is_turned_and_never_mirrored(make_flight, course_deg):
+    course = np.radians(course_deg)
+    along, right = np.array((np.cos(course), np.sin(course))), np.array((-np.sin(course), np.cos(course)))
+    route = Route((Leg(tuple(-30000 * along), tuple(0 * along), 70.0, 400.0),))
+    place = np.linspace(-20000, -1000, 50)[:, None] * along + 700.0 * right  # 700 m right of the final course
+    flight = make_flight(np.arange(50.0), ["final"] * 50, route, north=place[:, 0], east=place[:, 1])
+    with style.drawing():
+        axes = plan_view(flight, Runway(heading=course), (0.0, 0.0)).axes[0]
+    track = next(line for line in axes.lines if len(line.get_xdata()) == 50)
+    np.testing.assert_allclose(track.get_xdata(), np.linspace(-20, -1, 50), atol=1e-9)
+    np.testing.assert_allclose(track.get_ydata(), 0.7, atol=1e-9)
+    low, high = axes.get_ylim()
+    assert low > high  # right is down
+    box = axes.get_position()
+    width, height = box.width * axes.figure.get_figwidth(), box.height * axes.figure.get_figheight()
+    assert np.diff(axes.get_xlim())[0] / width == pytest.approx((low - high) / height)

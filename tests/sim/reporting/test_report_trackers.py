@@ -1,0 +1,388 @@
+"""The tracker half of the report, judged by arithmetic on tracks that were made by hand."""
+
+from __future__ import annotations
+
+import json
+import re
+import runpy
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from sim.estimation.tracking_run import Tracked
+from sim.metrics.checks import judge
+from sim.metrics.flight import flight_metrics
+from sim.observation.record import SensorRecord
+from sim.observation.sensors.precision_radar import PrecisionRadar
+from sim.reporting.figures import style
+from sim.reporting.replay import ellipse
+from sim.reporting.run_page import write
+from sim.reporting.text.best_tracker import who_won
+from sim.reporting.tracker_figures.charts import error_charts
+from sim.reporting.tracker_figures.error_curves import FEW_WINDOWS, follow, windows
+from sim.reporting.tracker_figures.model_probabilities import anomaly_strip, mode_names
+from sim.reporting.tracker_figures.path_bound import path_bound
+from sim.reporting.tracker_figures.tracking_errors import azimuth_norm, containment, error_over_time
+from sim.scenario.reading import read
+from tracking.motion import CoordinatedTurn, ScheduledTurn
+from tracking.track import Measurements, Track
+from tracking.trackers.imm import improved_set, published_set
+from tracking.trackers.switching_noise import SwitchingNoise
+
+_page = runpy.run_path(str(Path(__file__).with_name("test_report_page.py")))  # tests are modules without a package
+EVIL, LARGEST, LAW, Page = (_page[name] for name in ("EVIL", "LARGEST", "LAW", "Page"))
+
+CHANNELS = ("north", "north_rate", "east", "east_rate")
+KINDS = {"best": "route_control", "twin": "route_control", "plain": "imm"}
+"""Names and kinds of the trackers of most tests; ``twin`` is told wrong."""
+
+
+def scenario(trackers=KINDS, **tables):
+    told = {name: {"kind": kind, "sensors": ["radar"]} for name, kind in trackers.items()}
+    if "twin" in told:
+        told["twin"]["law"] = {"k1_factor": 1.3}
+    tables = {"sensors": {"radar": {"kind": "precision_radar"}}, "trackers": told} | tables
+    return read({"name": "tested", **tables})
+
+
+@pytest.fixture
+def flight(make_flight):
+    """Northwards down a line through the threshold, 60 s in two phases."""
+    time = np.arange(0.0, 60.0, 1 / 30)
+    north = -12000.0 + 70.0 * time
+    return make_flight(time, np.where(time < 30, "final", "glide"), north=north, height=300.0 + 0 * time)
+
+
+def followed_by(flight, errors, law_from=None, sigma=10.0, seen=None, probabilities=None, epochs=40):
+    """A track whose errors (2, draws) or (k, 2, draws), north and east, are given, with plots 50 m to the right."""
+    errors = np.asarray(errors, float)
+    errors = np.broadcast_to(errors, (epochs, *errors.shape[-2:]))
+    draws = errors.shape[2]
+    time = np.linspace(1.0, 59.0, epochs)
+    mean = np.zeros((epochs, 4, draws))
+    mean[:, 0] = (-12000.0 + 70.0 * time)[:, None] + errors[:, 0]
+    mean[:, 2] = errors[:, 1]
+    cov = np.broadcast_to(np.diag([sigma, 1.0, sigma, 1.0])[..., None] ** 2, (epochs, 4, 4, 1)).copy()
+    white = np.ones((epochs, 3, draws))
+    track = Track(
+        CHANNELS, time, mean, cov, white, np.full((epochs, draws), 3.0), np.zeros((epochs, draws)), probabilities
+    )
+    z = np.full((epochs, 3, draws), np.nan)
+    seen = np.ones(epochs, bool) if seen is None else seen
+    radar = scenario().sensors["radar"]
+    place = np.array((-12000.0 + 70.0 * time, np.full(epochs, 50.0), np.full(epochs, 300.0)))
+    z[seen] = radar.truth(place).T[seen][:, :, None]
+    names = tuple(f"radar.{channel}" for channel in radar.channels)
+    measured = Measurements(names, time, time, z, np.broadcast_to(np.eye(3)[..., None], (epochs, 3, 3, 1)))
+    return Tracked(track, measured, law_from)
+
+
+def record_of(tracked):
+    m = tracked.measurements
+    return SensorRecord(("range", "azimuth", "elevation"), m.time, m.arrival, m.z, m.R[..., 0])
+
+
+def summaries(given, rmse, **more):
+    """As in metrics.json, of trackers with a cross-track RMSE each; raw is 50 m."""
+
+    def figures(value):
+        return {
+            "cross_track_m": {"rmse": value, "low": 0.9 * value, "high": 1.1 * value, "raw": 50.0, "gain": 50.0 / value}
+        }
+
+    return {
+        name: {"kind": given.trackers[name].kind, "law_from": None, "overall": figures(value), "lost_fraction": 0.0,
+               "by_phase": {phase: figures(value) for phase in ("final", "glide")}, "anees": 1.0, "anees_low": 0.9,
+               "anees_high": 1.1, "anis": 1.0} | more.get(name, {})
+        for name, value in rmse.items()
+    }  # fmt: skip
+
+
+def written(tmp_path, flight, given, tracked, trackers, records=None, built=None):
+    figures = flight_metrics(flight, given.runway, given.autopilot.bank_limit)
+    checks = judge(given.checks, flight, given.runway, figures)
+    metrics = {"flight": figures, "checks": checks, "seed": 1, "draws": 2, "trackers": trackers}
+    path = write(
+        tmp_path / "report.html", scenario=given, flight=flight, law=LAW, metrics=metrics,
+        versions={}, timing={}, tracked=tracked, records=records or {}, built=built,
+    )  # fmt: skip
+    return Page(path.read_text(encoding="utf-8"))
+
+
+# ------------------------------------------------------------------------------------------------- curves by arithmetic
+
+
+def test_curves_are_the_arithmetic_of_their_errors(flight):
+    given = scenario()
+    one, = follow(given, flight, {"best": followed_by(flight, [[3.0, -3.0], [4.0, -4.0]], sigma=5.0)})  # fmt: skip
+    position, across = one.curves["position_m"], one.curves["cross_track_m"]
+    np.testing.assert_allclose(position.rmse, 5.0, rtol=1e-9)
+    np.testing.assert_allclose(position.sigma, 5.0 * np.sqrt(2), rtol=1e-12)
+    np.testing.assert_allclose(position.anees, 25.0 / 25.0 / 2, rtol=1e-9)
+    np.testing.assert_allclose(across.rmse, 4.0, rtol=1e-9)
+    np.testing.assert_allclose((across.low + across.high) / 2, 0.0, atol=1e-9)
+    np.testing.assert_allclose(across.raw, 50.0, rtol=1e-6)  # plots lie 50 m to the right
+    np.testing.assert_allclose(across.of_draws, 16.0, rtol=1e-9)
+    np.testing.assert_allclose(one.nis, 1.0)  # 3 per three components
+    np.testing.assert_allclose(one.shown.place[:, 1], 4.0 * 0 + 4.0)  # draw 0
+
+
+def test_before_its_first_plot_a_track_is_not_shown(flight):
+    seen = np.arange(40) >= 15
+    one, = follow(scenario(), flight, {"best": followed_by(flight, np.ones((2, 3)), seen=seen)})  # fmt: skip
+    assert one.time[0] == pytest.approx(one.shown.time[15])
+    assert len(one.curves["cross_track_m"].rmse) == len(one.time) == 25
+    assert np.isnan(one.shown.place[:15]).all()
+    assert np.isfinite(one.shown.place[15:]).all()
+
+
+def test_few_draws_are_pooled_over_windows_without_losing_an_error(flight):
+    errors = noisy(10.0, 4, 1)[np.zeros(4000, int)] * np.random.default_rng(5).normal(size=(4000, 1, 1))
+    one, = follow(scenario(), flight, {"best": followed_by(flight, errors, epochs=4000)})  # fmt: skip
+    curves = one.curves["cross_track_m"]
+    assert len(curves.rmse) <= FEW_WINDOWS
+    lengths = [b - a for a, b in windows(one.shown.time, 0, flight, 1)]
+    assert sum(lengths) == 4000
+    assert np.average(curves.rmse**2, weights=lengths) == pytest.approx(float(np.mean(errors[:, 1] ** 2)), rel=1e-9)
+    first = errors[: lengths[0], 1]
+    assert (curves.low[0], curves.high[0]) == pytest.approx(tuple(np.percentile(first, (2.5, 97.5))), rel=1e-6)
+
+
+def test_twins_share_a_colour_and_the_wrong_law_is_dashed(flight):
+    error = np.ones((2, 2))
+    tracked = {name: followed_by(flight, error, told) for name, told in
+               (("best", "autopilot"), ("twin", "told wrong"), ("plain", None))}  # fmt: skip
+    best, twin, plain = follow(scenario(), flight, tracked)
+    assert best.look["color"] == twin.look["color"] != plain.look["color"]
+    assert best.look["dashes"] == plain.look["dashes"] != twin.look["dashes"]
+
+
+def test_ellipses_agree_with_eigenvectors():
+    factor = np.random.default_rng(3).normal(size=(50, 2, 2))
+    cov = factor @ factor.transpose(0, 2, 1)
+    long, short, direction = ellipse(cov)
+    values, vectors = np.linalg.eigh(cov)
+    np.testing.assert_allclose(np.stack((short, long), 1) ** 2, values, rtol=1e-7, atol=1e-12)
+    along = np.abs(vectors[:, 0, 1] * np.cos(direction) + vectors[:, 1, 1] * np.sin(direction))
+    np.testing.assert_allclose(along, 1.0, rtol=1e-9)
+
+
+def test_the_bound_is_that_of_one_least_squares_fit(flight):
+    """Without process noise the recursion is the fit of place and velocity to all plots at once."""
+    time = np.arange(1.0, 20.0, 4.0)
+    z = np.zeros((len(time), 2, 3))
+    R = np.broadcast_to(np.diag((40.0, 30.0)) ** 2, (len(time), 2, 2))
+    sensor = type("Plots", (), {"channels": ("north", "east")})
+    bound = path_bound(flight, {"radar": sensor}, {"radar": SensorRecord(("north", "east"), time, time, z, R)})
+    since = time - time[0]
+    for sigma, row in ((40.0, 0), (30.0, 1)):
+        design = np.stack((np.ones_like(since), since), axis=1) / sigma
+        fit = np.linalg.inv(design.T @ design + np.diag((100.0**-2, 5.0**-2)))
+        last = np.array((1.0, since[-1]))
+        variance = last @ fit @ last
+        if row == 1:
+            assert bound.cross_track[-1] == pytest.approx(np.sqrt(variance), rel=1e-9)  # the leg runs north
+        else:
+            along = bound.position[-1] ** 2 - bound.cross_track[-1] ** 2
+            assert along == pytest.approx(variance, rel=1e-9)
+    assert path_bound(flight, {}, {}) is None
+
+
+def test_the_norm_is_what_the_radar_s_accuracy_is_made_of():
+    slant = np.array((500.0, 1500.0, 1501.0, 16700.0))
+    sigma = PrecisionRadar().sigmas(slant, np.zeros(4), np.zeros(4))[1]
+    np.testing.assert_allclose(azimuth_norm(slant), 2 * sigma * slant, rtol=1e-12)
+    np.testing.assert_allclose(azimuth_norm(slant), (9.0, 9.0, 9.006, 100.2))
+
+
+def test_containment_counts_the_epochs_within_the_norm(flight):
+    inside, outside = np.full((2, 4), 5.0), np.full((2, 4), 500.0)
+    tracked = {"best": followed_by(flight, inside), "plain": followed_by(flight, outside)}
+    with style.drawing():
+        _, said = containment(flight, scenario(), follow(scenario(), flight, tracked))
+    assert said == "best 100 %; plain 0 %"
+    assert containment(flight, scenario(sensors={}, trackers={}), []) is None
+
+
+def test_modes_are_named_in_the_order_of_the_models():
+    turns = [m for m in improved_set().models if isinstance(m, ScheduledTurn)]
+    names = mode_names(None, "imm", len(improved_set().models))
+    assert [name for name in names if "turn" in name] == ["right turn" if m.bank > 0 else "left turn" for m in turns]
+    assert names.index("right turn") == improved_set().models.index(turns[0])
+    published = published_set().models
+    left = sorted((m for m in published if isinstance(m, CoordinatedTurn)), key=lambda m: abs(m.turn_rate))
+    names = mode_names(None, "imm_published", len(published))
+    assert [names[published.index(m)] for m in left] == ["slow left turn", "fast left turn"]
+    assert mode_names(SwitchingNoise(("mls.elevation",)), "switching_noise", 2) == ["noise × 1", "noise × 30"]
+    assert mode_names(None, "own", 2) == ["model 1", "model 2"]
+    assert mode_names(None, "imm", 3) == ["model 1", "model 2", "model 3"]  # not the set that the names are of
+
+
+# -------------------------------------------------------------------------------------------------------- who won
+
+
+def noisy(size, seed, draws=60):
+    return size * np.random.default_rng(seed).normal(size=(40, 2, draws))
+
+
+def told(flight, sizes, law_from, **more):
+    given = scenario()
+    tracked = {name: followed_by(flight, noisy(size, 1), law_from.get(name)) for name, size in sizes.items()}
+    followed = follow(given, flight, tracked)
+    rmse = {one.name: float(np.sqrt(one.curves["cross_track_m"].of_draws.mean())) for one in followed}
+    return who_won(flight, summaries(given, rmse, **more), followed)
+
+
+LAWS = {"best": "autopilot", "twin": "told wrong"}
+
+
+def test_the_winner_is_named_with_its_lead_and_its_reason(flight):
+    said = told(flight, {"plain": 30.0, "twin": 20.0, "best": 10.0}, LAWS)
+    assert said.startswith("Of 3 trackers of the same measurements best was best across track with ")
+    assert "5.0 times better than the raw measurements (50.0" in said
+    assert "next is twin with 2.00 times the error" in said
+    assert "knowing a law is worth a factor of 3.00 over plain, the best without one" in said
+    assert "told a wrong law it has 2.00 times the error" in said
+    assert said.count(". ") == 0  # one sentence
+
+
+def test_a_lead_within_the_noise_is_no_lead(flight):
+    given, errors = scenario(), noisy(10.0, 1)
+    tracked = {
+        "best": followed_by(flight, errors, "autopilot"),
+        "twin": followed_by(flight, noisy(10.0, 2), "told wrong"),
+    }
+    followed = follow(given, flight, tracked)
+    rmse = {one.name: float(np.sqrt(one.curves["cross_track_m"].of_draws.mean())) for one in followed}
+    said = who_won(flight, summaries(given, rmse), followed)
+    assert "is as good within the noise" in said
+    assert "makes no difference to it" in said
+    assert "next is" not in said
+
+
+def test_a_tracker_without_a_law_may_win(flight):
+    said = told(flight, {"plain": 10.0, "best": 20.0}, LAWS)
+    assert "the best that is told a law, best, has 2.00 times the error" in said
+
+
+def test_a_winner_s_faults_are_told(flight):
+    faults = {"best": {"anees": 3.0, "anees_low": 2.8, "lost_fraction": 0.25}}
+    said = told(flight, {"plain": 30.0, "best": 10.0}, LAWS, **faults)
+    assert "too sure of itself (ANEES 3.0)" in said
+    assert "it lost 25.0 % of the draws" in said
+    assert "worse than the raw measurements" in told(flight, {"best": 80.0}, LAWS)
+
+
+def test_nobody_wins_where_nothing_was_tracked(flight):
+    assert who_won(flight, {}, []) == ""
+
+
+# ------------------------------------------------------------------------------------------------------- the page
+
+
+def test_all_figures_of_the_trackers_are_there(flight, tmp_path):
+    given = scenario()
+    beliefs = np.full((40, 4, 2), 0.25)
+    tracked = {
+        "best": followed_by(flight, noisy(10.0, 1, 2), "autopilot"),
+        "twin": followed_by(flight, noisy(20.0, 1, 2), "told wrong"),
+        "plain": followed_by(flight, noisy(30.0, 1, 2), probabilities=beliefs),
+    }
+    ahead = {"20_s": {"position_m": {"rmse": 40.0}}, "60_s": {"position_m": {"rmse": 90.0}}}
+    trackers = summaries(given, {"best": 10.0, "twin": 20.0, "plain": 30.0}, best={"look_ahead": ahead})
+    page = written(tmp_path, flight, given, tracked, trackers, {"radar": record_of(tracked["best"])})
+    titles = [a["alt"].partition(": ")[0] for tag, a in page.tags if tag == "img"]
+    wanted = [
+        "Error over time", "Error by phase", "Does each tracker know how good it is?", "Consistency over time",
+        "Estimates in plan", "Containment against the radar's azimuth norm", "Look-ahead", "Model probabilities",
+    ]  # fmt: skip
+    assert [title for title in titles if title in wanted] == wanted
+    assert page.faults == []
+    assert "Of 3 trackers of the same measurements" in page.text.partition("flight time")[0]  # the first screen
+    for image in page.images():
+        ElementTree.fromstring(image)
+        assert not re.search(rb"\bnan\b", image)
+    assert (tmp_path / "report.html").stat().st_size < LARGEST
+
+
+def test_a_tracker_that_diverged_is_a_result(flight, tmp_path):
+    given, errors = scenario(), noisy(10.0, 1, 2)
+    errors[20:] = np.inf
+    errors[30:] = np.nan
+    tracked = {"best": followed_by(flight, errors, "autopilot"), "plain": followed_by(flight, noisy(1.0, 1, 2))}
+    trackers = summaries(
+        given, {"best": 10.0, "plain": 1.0}, best={"overall": {}, "by_phase": {}, "lost_fraction": 1.0}
+    )
+    page = written(tmp_path, flight, given, tracked, trackers)
+    assert not re.search(r"\bnan\b|\binf\b|None", page.text)
+    for image in page.images():
+        assert not re.search(rb"\b(nan|inf)\b", image)
+    best = next(t for t in json.loads(page.scripts[0])["trackers"] if t["name"] == "best")
+    assert best["x"][:2] != [None, None]
+    assert best["x"][-1] is None
+
+
+def test_the_name_of_a_tracker_stays_text(flight, tmp_path):
+    given = scenario()
+    tracked = {EVIL: followed_by(flight, noisy(10.0, 1, 2), EVIL)}
+    trackers = {EVIL: summaries(given, {"best": 10.0})["best"] | {"kind": EVIL, "law_from": EVIL}}
+    page = written(tmp_path, flight, given, tracked, trackers, {"radar": record_of(tracked[EVIL])})
+    assert [a.get("type") for tag, a in page.tags if tag == "script"] == ["application/json", None]
+    assert [a for _, a in page.tags if any(key.startswith("on") for key in a)] == []
+    assert page.faults == []
+    assert "<" not in page.scripts[0]
+    assert json.loads(page.scripts[0])["trackers"][0]["name"].count("<script>") == 1
+    for image in page.images():
+        assert not any(node.tag.endswith("}script") for node in ElementTree.fromstring(image).iter())
+
+
+def test_one_draw_has_figures_too(flight):
+    given = scenario()
+    tracked = {name: followed_by(flight, noisy(10.0, seed, 1)) for seed, name in enumerate(("best", "plain"))}
+    followed = follow(given, flight, tracked)
+    trackers = summaries(given, {"best": 10.0, "plain": 9.0})
+    charts = error_charts(given, flight, trackers, followed, {})
+    assert {"Error over time", "Does each tracker know how good it is?"} <= {chart.title for chart in charts}
+    assert "within the noise" not in who_won(flight, trackers, followed)  # one draw says nothing about the noise
+
+
+def test_the_strip_shows_which_samples_were_taken_for_anomalous(flight):
+    given = scenario(
+        trackers={}, sensors={"mls": {"kind": "mls"}},
+    )  # fmt: skip
+    given = read({**given.tables, "trackers": {"two": {"kind": "switching_noise", "sensors": ["mls"]}}})
+    time = np.linspace(1.0, 59.0, 40)
+    sensor = given.sensors["mls"]
+    truth = np.array((-12000.0 + 70.0 * time, 0 * time, 300.0 + 0 * time))
+    exact = sensor.truth(truth)[sensor.channels.index("elevation")]
+    odd = np.arange(40) % 4 == 0
+    z = (exact + np.where(odd, np.radians(1.0), np.radians(0.01)))[:, None, None]
+    R = np.full((40, 1, 1, 1), np.radians(0.06) ** 2)
+    weights = np.where(odd, 0.9, 0.1)
+    track = Track(
+        ("mls.elevation", "mls.elevation_rate"), time, np.stack((exact, 0 * exact), 1)[..., None],
+        np.broadcast_to(1e-6 * np.eye(2)[..., None], (40, 2, 2, 1)), np.ones((40, 1, 1)), np.ones((40, 1)),
+        np.zeros((40, 1)), np.stack((1 - weights, weights), 1)[..., None],
+    )  # fmt: skip
+    tracked = {"two": Tracked(track, Measurements(("mls.elevation",), time, time, z, R), None)}
+    with style.drawing():
+        figure = anomaly_strip(flight, given, tracked)
+    nominal, anomalous = figure.axes[1].lines[:2]
+    np.testing.assert_allclose(anomalous.get_ydata(), 1.0, rtol=1e-6)
+    np.testing.assert_allclose(nominal.get_ydata(), 0.01, rtol=1e-6)
+    one, = follow(given, flight, tracked)  # fmt: skip
+    np.testing.assert_allclose(one.shown.height, 300.0, atol=1e-6)  # an angle is shown as a height
+
+
+def test_what_is_told_wrong_is_drawn_dashed(flight):
+    tracked = {
+        "best": followed_by(flight, noisy(9.0, 1), "autopilot"),
+        "twin": followed_by(flight, noisy(9.0, 2), "told wrong"),
+    }
+    with style.drawing():
+        axes = error_over_time(flight, follow(scenario(), flight, tracked), None).axes[1]
+    dashed = {line.get_label(): line.is_dashed() for line in axes.lines if line.get_label() in ("best", "twin")}
+    assert dashed == {"best": False, "twin": True}
+    assert axes.get_yscale() == "log"

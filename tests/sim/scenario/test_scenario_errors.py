@@ -1,0 +1,154 @@
+"""Every fault of a file is told at once, in the user's own keys."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.errors import ScenarioError
+from sim.scenario.reading import override, read
+
+GOOD = {
+    "name": "capture",
+    "route": {"kind": "legs", "legs": [{"from_m": [0, 0], "to_m": [20000, 0], "speed_mps": 72, "height_m": 600}]},
+    "start": {"leg": 0, "cross_track_m": 3000},
+}
+
+
+def faults(**tables: object) -> str:
+    with pytest.raises(ScenarioError) as caught:
+        read({**GOOD, **tables})
+    return str(caught.value)
+
+
+def test_a_misspelt_key_gets_a_suggestion():
+    assert "[start] cross_trak_m: no such key; did you mean 'cross_track_m'?" in faults(start={"cross_trak_m": 3})
+
+
+def test_a_wrong_unit_is_answered_with_the_legal_spellings():
+    assert "speed_kmph: no such key" in faults(wind={"speed_kmph": 3})
+    assert "it needs its unit: speed_mps" in faults(wind={"speed": 3})
+
+
+def test_two_spellings_of_one_value_are_refused():
+    assert "'speed_mps' and 'speed_kt' are two spellings of one value" in faults(wind={"speed_mps": 3, "speed_kt": 6})
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_numbers_must_be_finite(value):
+    assert "must be a finite number" in faults(aircraft={"mass_kg": value})
+
+
+@pytest.mark.parametrize(
+    ("table", "content", "said"),
+    [
+        ("aircraft", {"mass_kg": -20000.0}, "[aircraft] mass must be above 0"),
+        ("aircraft", {"factors": {"lift_slope": 0.0}}, "factors.lift_slope must be a finite number above 0"),
+        ("start", {"height_m": -5.0}, "a flight starts above the ground"),
+        ("start", {"leg": 0, "phase": "base"}, "say 'phase' (pattern) or 'leg' (legs), not both"),
+        ("wind", {"turbulence": "strong"}, "'none', 'light', 'moderate' or 'severe'"),
+        ("wind", {"turbulence": "light", "w20_kt": 20.0}, "say 'turbulence' or 'w20_kt', not both"),
+        ("autopilot", {"bank_limit_deg": 90.0}, "bank_limit must be above 0 and at most 60 degrees"),
+        ("autopilot", {"kind": "lateral_navigatoin"}, "did you mean 'lateral_navigation'?"),
+        ("autopilot", {"navigation": "radar"}, "[autopilot] navigation: no tracker 'radar'"),
+        ("route", {"kind": "legs", "legs": []}, "a route needs at least one leg"),
+        ("sensors", {"radar": {"kind": "surveilance_radar"}}, "did you mean 'surveillance_radar'?"),
+        ("sensors", {"radar": {"kind": "surveillance_radar", "period_s": 0.0}}, "[sensors.radar] period must be"),
+        ("sensors", {"radar": {}}, "[sensors.radar] kind: is missing"),
+        ("checks", [{"metric": "bank_deg"}], "[[checks]] entry 0 the check of 'bank_deg' needs 'max' or 'min'"),
+        ("seed", -1, "seed: must be at least 0 (got -1)"),
+        ("seed", True, "seed: must be a whole number"),
+        ("colour", "red", "colour: no such key"),
+    ],
+)
+def test_each_fault_is_one_clear_sentence(table, content, said):
+    assert said in faults(**{table: content})
+
+
+def test_all_faults_come_at_once():
+    told = faults(wind={"speed_kmph": 3}, aircraft={"mass_kg": math.nan}, seed=-1, autopilot={"kind": "x"})
+    assert len(told.splitlines()) == 4
+
+
+def test_a_tracker_must_name_a_sensor_that_exists():
+    radar = {"radar": {"kind": "surveillance_radar"}}
+    told = faults(sensors=radar, trackers={"cv": {"kind": "kalman", "sensors": ["radr"]}})
+    assert "[trackers.cv] sensors: no sensor 'radr'; did you mean 'radar'?" in told
+    assert "needs at least one sensor" in faults(trackers={"cv": {"kind": "kalman"}})
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"name = 'a\n", "not TOML"),
+        (b"name = 'caf\xe9'\n", "not UTF-8"),
+        (b"x = " + b"[" * 20000, "not TOML"),
+        (b"", "colour"),
+    ],
+)
+def test_broken_files_are_told_by_name(tmp_path, content, said):
+    file = tmp_path / "broken.toml"
+    file.write_bytes(content or b"colour = 1")
+    with pytest.raises(ScenarioError, match=said) as caught:
+        read(file)
+    assert "broken.toml" in str(caught.value)
+
+
+def test_an_unknown_scenario_gets_a_suggestion():
+    with pytest.raises(ScenarioError, match="did you mean 'an26_pattern'"):
+        read("an26_patern")
+
+
+def test_an_override_takes_the_other_spelling_out():
+    tables = override({"wind": {"speed_kt": 10, "from_deg": 90}}, "wind.speed_mps", 8)
+    assert tables == {"wind": {"from_deg": 90, "speed_mps": 8}}
+
+
+def test_an_override_reaches_into_lists():
+    scenario = read({**GOOD, "checks": [{"metric": "bank_deg", "max": 20}]}, {"checks.0.max": 25})
+    assert scenario.checks[0].max == 25
+    with pytest.raises(ScenarioError, match="entries 0 to 0"):
+        read({**GOOD, "checks": [{"metric": "bank_deg", "max": 20}]}, {"checks.3.max": 25})
+
+
+def test_units_become_si_and_radians():
+    scenario = read({**GOOD, "wind": {"speed_kt": 10, "from_deg": 90}})
+    assert scenario.wind.speed == pytest.approx(5.144444, abs=1e-6)  # 10 kt by the definition 1852 m / 3600 s
+    assert scenario.wind.steady == pytest.approx((0, -5.144444), abs=1e-6)  # from the east, so it blows to the west
+
+
+def test_the_resolved_file_reads_back_as_the_same_scenario():
+    first = read(
+        {**GOOD, "wind": {"speed_kt": 10, "from_deg": 200.1}, "sensors": {"r": {"kind": "surveillance_radar"}}}
+    )
+    assert read(first.tables) == first
+
+
+def test_a_table_inside_a_table_is_read_and_checked():
+    beam = {"snr_db": 5.4, "at_distance_m": 750, "floor_deg": 0.01}
+    scenario = read({**GOOD, "sensors": {"mls": {"kind": "mls", "beam": beam}}})
+    assert scenario.sensors["mls"].beam.floor == pytest.approx(math.radians(0.01))
+    assert read(scenario.tables) == scenario
+    told = faults(sensors={"mls": {"kind": "mls", "beam": {**beam, "snr": 3.0}}})
+    assert "snr: no such key; it needs its unit: snr_db" in told
+
+
+scalars = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8))
+values = st.recursive(
+    scalars, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3)
+)
+
+
+@given(
+    table=st.sampled_from(
+        ["runway", "aircraft", "start", "route", "autopilot", "wind", "sensors", "trackers", "checks"]
+    ),
+    content=values,
+)
+def test_any_content_is_read_or_answered_by_a_scenario_error(table, content):
+    with contextlib.suppress(ScenarioError):  # anything else that escapes fails
+        read({**GOOD, table: content})

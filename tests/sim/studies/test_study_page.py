@@ -1,0 +1,88 @@
+"""The page of a study, read as a browser reads it: the right kind of figure, every cell, nothing from elsewhere."""
+
+from __future__ import annotations
+
+import base64
+import re
+
+import pytest
+
+from sim.scenario.reading import read
+from sim.studies.figures import study_charts
+from sim.studies.metrics import study_metrics
+from sim.studies.page import page, shown_metrics
+
+LINE = {
+    "name": "line",
+    "route": {"kind": "legs", "legs": [{"from_m": [0, 0], "to_m": [20000, 0], "speed_mps": 72, "height_m": 600}]},
+}
+
+
+def made(axes, outcome=lambda values: "completed", samples=1, **study):
+    """A study whose overshoot is the sum of the axes' values: scenario, metrics, records."""
+    from sim.scenario.axes import cells
+    from sim.scenario.axes import samples as drawn
+
+    scenario = read({**LINE, "study": {"axes": axes, "samples": samples, **study}})
+    records = [
+        {
+            "cell": i,
+            "sample": j,
+            "flight": j,
+            "values": (values := {**chosen, **sample}),
+            "metrics": {"outcome": outcome(values), "overshoot_m": float(sum(map(float, values.values())))},
+            "checks": [],
+        }
+        for i, chosen in enumerate(cells(scenario.study.varied))
+        for j, sample in enumerate(drawn(scenario.study.varied, samples, 1))
+    ]
+    figures = study_metrics(scenario.study.varied, records, (), scenario.study.checks)
+    metrics = {"scenario": "line", "seed": 1, "flights": len(records), "versions": {"python": "3"}, **figures}
+    return scenario, metrics, records
+
+
+SPEEDS = {"wind.speed_mps": {"grid": [0, 9, 10]}}
+OFFSETS = {"start.cross_track_m": {"grid": [0, 700, 8]}}
+
+
+@pytest.mark.parametrize(
+    ("axes", "samples", "titles"),
+    [
+        (SPEEDS, 1, ["overshoot, m"]),
+        (SPEEDS | OFFSETS, 1, ["Outcomes", "overshoot, m"]),
+        ({"start.cross_track_m": {"uniform": [0, 9]}}, 20, ["overshoot, m"]),
+        (SPEEDS | {"start.cross_track_m": [1, 2, 3]}, 1, ["overshoot, m"]),
+    ],
+    ids=["curve", "map", "distribution", "lines"],
+)
+def test_every_kind_of_axes_has_its_figure(axes, samples, titles):
+    def outcome(values):
+        return "orbit" if values.get("wind.speed_mps", 0) > 5 else "completed"
+
+    scenario, metrics, records = made(axes, outcome, samples)
+    charts = study_charts(scenario, metrics, records, shown_metrics(scenario, metrics))
+    assert [chart.title for chart in charts] == titles
+    for chart in charts:
+        image = base64.b64decode(chart.image.partition("base64,")[2]).decode()
+        assert image.count("<path") > 3
+
+
+def test_a_map_has_a_colour_for_each_cell():
+    scenario, metrics, records = made(SPEEDS | OFFSETS)
+    (chart,) = study_charts(scenario, metrics, records, ["overshoot_m"])
+    image = base64.b64decode(chart.image.partition("base64,")[2]).decode()
+    mesh = re.search(r'<g id="QuadMesh_1">(.*?)</g>\s*<g id="matplotlib', image, re.S).group(1)
+    assert len(re.findall(r"fill: (#[0-9a-f]{6})", mesh)) == 80
+
+
+def test_the_page_is_whole_and_asks_for_nothing():
+    checks = [{"metric": "overshoot_m", "max": 3.0, "share": 0.5, "confidence": 0.5, "source": "<b>test</b>"}]
+    scenario, metrics, records = made(SPEEDS, checks=checks)
+    text = page(scenario, metrics, records)
+    assert not re.search(r'(src|href)="(?!data:)', text)
+    assert "<b>test</b>" not in text
+    assert "Broken: overshoot_m." in text
+    assert "not for operational use" in text
+    cells = re.findall(r"<tr><td>(\d)</td><td>1</td><td>1 completed</td><td>(\d)</td></tr>", text)
+    assert cells == [(str(i), str(i)) for i in range(10)]
+    assert text == page(scenario, metrics, records)

@@ -1,0 +1,129 @@
+"""What a second process does is what the first would have done, also where the second is lost."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+
+import numpy as np
+import pytest
+
+from sim.estimation.tracking_run import track
+from sim.experiment import fly
+from sim.flight.preparation import prepare
+from sim.observation.record import observe
+from sim.reporting.run_page import charts
+from sim.scenario.reading import read
+from sim.workers.helper_process import ALONE, second_process
+
+
+def square(number):
+    time.sleep(0.05)
+    return number * number, os.getpid()
+
+
+def sulk(number, home):
+    """Dies at the sixth call wherever it is not at home."""
+    if os.getpid() != home and number == 6:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return square(number)
+
+
+def refuse(number):
+    if number == 7:
+        raise IndexError("seven")
+    return number
+
+
+@pytest.fixture(scope="module")
+def second():
+    with second_process() as second:
+        if second.process is None:
+            pytest.skip("a second process needs a second processor")
+        second.later(os.getpid)()  # it is ready
+        yield second
+
+
+@pytest.fixture
+def doomed():
+    with second_process() as second:
+        if second.process is None:
+            pytest.skip("a second process needs a second processor")
+        second.later(os.getpid)()
+        yield second
+
+
+@pytest.fixture(scope="module")
+def flown():
+    prepared = prepare(read("route_capture_point_mass", {"until_s": 60}))
+    return fly(prepared), prepared.scenario, prepared.law
+
+
+@pytest.fixture(scope="module")
+def expected(flown):
+    return charts(*flown)
+
+
+def test_it_draws_the_same_bytes(second, flown, expected):
+    assert second.later(charts, *flown)() == expected
+
+
+def test_what_a_lost_process_owes_is_made_here(doomed, flown, expected):
+    os.kill(doomed.process.pid, signal.SIGKILL)
+    assert doomed.later(charts, *flown)() == expected
+
+
+def test_both_take_their_part(second):
+    found = second.shared(square, [(number,) for number in range(8)])
+    assert [value for value, _ in found] == [number**2 for number in range(8)]
+    assert len({process for _, process in found}) == 2
+
+
+def test_a_process_that_is_lost_half_way_costs_no_result(doomed):
+    home = os.getpid()
+    found = doomed.shared(sulk, [(number, home) for number in range(8)])
+    assert [value for value, _ in found] == [number**2 for number in range(8)]
+    assert found[6][1] == home
+
+
+@pytest.mark.parametrize("place", [0, 1, 6, 7])
+def test_an_error_reaches_the_caller_from_either_end(second, place):
+    calls = [(number,) for number in range(10, 18)]
+    calls[place] = (7,)
+    with pytest.raises(IndexError, match="seven"):
+        second.shared(refuse, calls)
+
+
+def test_who_stops_does_not_wait_for_what_runs_there(doomed):
+    """The process ends with the call that it is at, so it takes no other."""
+    results = doomed.as_done(time.sleep, [(0.0,), (30.0,)])
+    next(results)
+    results.close()
+    doomed.process.join()
+    assert doomed.process.exitcode == -signal.SIGKILL
+
+
+def test_trackers_are_the_same_bytes(second):
+    kinds = {"plain": "kalman", "told": "linear_feedback", "limited": "saturated_control", "many": "imm"}
+    tables = {name: {"kind": kind} for name, kind in kinds.items()}
+    radar = {"radar": {"kind": "surveillance_radar"}}
+    prepared = prepare(
+        read("route_capture_point_mass", {"until_s": 60, "draws": 5, "sensors": radar, "trackers": tables})
+    )
+    flight = fly(prepared)
+    records = observe(flight, prepared.scenario.sensors, 1, 0, 5)
+    tracks, figures = track(prepared, flight, records, {}, 0, second)
+    alone, theirs = track(prepared, flight, records, {}, 0, ALONE)
+    assert figures == theirs
+    assert list(tracks) == list(alone) == list(kinds)
+    for name in kinds:
+        np.testing.assert_array_equal(tracks[name].track.mean, alone[name].track.mean)
+        np.testing.assert_array_equal(tracks[name].track.cov, alone[name].track.cov)
+
+
+def test_what_is_not_worth_a_process_is_done_here(flown, expected):
+    with second_process(worth_it=False) as second:
+        assert second.process is None
+        assert second.later(charts, *flown)() == expected
+        assert [value for value, _ in second.shared(square, [(2,), (3,)])] == [4, 9]

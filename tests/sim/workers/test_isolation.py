@@ -1,0 +1,65 @@
+"""A model that is not ours costs one sentence, whatever it does to the process that loads it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from types import SimpleNamespace
+
+import pytest
+
+from sim.errors import ScenarioError
+from sim.workers.isolation import apart
+
+
+def flown_by(model):
+    return SimpleNamespace(name="mine", aircraft=SimpleNamespace(model=model))
+
+
+STOCK, OURS = flown_by("c172x"), flown_by("an26")
+
+
+def test_ours_are_flown_here_and_others_elsewhere():
+    assert apart(OURS, 60.0, os.getpid) == os.getpid()
+    assert apart(flown_by("point_mass"), 60.0, os.getpid) == os.getpid()
+    assert apart(STOCK, 60.0, os.getpid) != os.getpid()
+    assert apart(flown_by("./an26"), 60.0, os.getpid) != os.getpid()
+
+
+def test_a_child_serves_call_after_call():
+    assert apart(STOCK, 60.0, os.getpid) == apart(STOCK, 60.0, os.getpid)
+
+
+def test_an_abort_is_one_sentence_and_the_next_call_is_answered():
+    with pytest.raises(ScenarioError, match=r"^mine: \[aircraft\] the model 'c172x' aborts the simulation \(SIGABRT\)"):
+        apart(STOCK, 60.0, os.abort)
+    assert apart(STOCK, 60.0, abs, -3) == 3
+
+
+def test_a_child_that_died_after_its_answer_is_not_the_next_ones_fault():
+    os.kill(apart(STOCK, 60.0, os.getpid), signal.SIGKILL)
+    assert apart(STOCK, 60.0, abs, -3) == 3
+
+
+def test_a_model_that_hangs_has_an_end():
+    with pytest.raises(ScenarioError, match=r"gives no answer for 0\.5 s"):
+        apart(STOCK, 0.5, time.sleep, 60.0)
+
+
+def test_memory_has_an_end():
+    with pytest.raises(ScenarioError, match="needs more than 4096 MB of memory"):
+        apart(STOCK, 60.0, bytearray, 8 << 30)
+
+
+def test_exceptions_come_through_and_leave_the_child_alive():
+    child = apart(STOCK, 60.0, os.getpid)
+    with pytest.raises(ValueError, match="invalid literal"):
+        apart(STOCK, 60.0, int, "x")
+    assert apart(STOCK, 60.0, os.getpid) == child
+
+
+def test_what_a_child_prints_is_no_answer(capfd):
+    assert apart(STOCK, 60.0, os.write, 1, b"noise") == 5
+    assert apart(STOCK, 60.0, abs, -3) == 3
+    assert capfd.readouterr() == ("", "")
