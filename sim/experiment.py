@@ -5,57 +5,34 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from sim.cli.doctor import versions
-from sim.cli.export import with_unit
 from sim.estimation.navigator import navigator
 from sim.estimation.setup import build, check
-from sim.estimation.tracking_run import Tracked, track
+from sim.estimation.tracking_run import track
 from sim.files import claim, refuse_foreign, staged, write_json, write_npz
 from sim.flight import loop as flights
 from sim.flight.departures import noted
-from sim.flight.loop import Flight
 from sim.flight.preparation import Prepared, prepare
+from sim.flight.record import Flight
 from sim.metrics.checks import judge
 from sim.metrics.flight import flight_metrics, summarise
 from sim.metrics.navigation import navigated
 from sim.metrics.warnings import remarks
-from sim.observation.record import SensorRecord, observe
+from sim.observation.record import observe
+from sim.reporting.run_files import flight_arrays, measurement_arrays
+from sim.result import Result, _lap
 from sim.scenario.budget import refuse_too_much
-from sim.scenario.reading import Scenario, read
+from sim.scenario.model import Scenario
+from sim.scenario.reading import read
 from sim.scenario.toml_writer import dumps
+from sim.versions import versions
 from sim.workers.executors import TIME_LIMIT
 from sim.workers.helper_process import ALONE, SecondProcess, second_process
 from sim.workers.isolation import apart
 
 FEW = 4  # trackers are done before a second process has got ready
-
-
-@dataclass(frozen=True)
-class Result:
-    """What a run found out."""
-
-    prepared: Prepared
-    flights: tuple[Flight, ...]
-    records: dict[str, SensorRecord]  # of flight 0
-    tracks: dict[str, Tracked]  # of flight 0
-    metrics: dict[str, Any]
-    timing: dict[str, float]
-
-    @property
-    def scenario(self) -> Scenario:
-        """The scenario that was run."""
-        return self.prepared.scenario
-
-    @property
-    def flight(self) -> Flight:
-        """Flight 0, which figures and trackers are about."""
-        return self.flights[0]
 
 
 def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
@@ -175,8 +152,8 @@ def run_to_folder(
 
 def _get_ready() -> None:
     """In the second process: what takes long to import, while the aircraft still flies."""
+    from sim.reporting.figures.flight import charts  # noqa: F401
     from sim.reporting.figures.style import get_ready
-    from sim.reporting.run_page import charts  # noqa: F401
 
     get_ready()
 
@@ -207,68 +184,3 @@ def report(result: Result, folder: Path, second: SecondProcess = ALONE) -> None:
         second=second,
     )
     _lap(result.timing, "report_s", lap)
-
-
-def flight_arrays(flight: Flight) -> dict[str, np.ndarray]:
-    """The record of a flight by names that carry their unit."""
-    state = {_with_unit(name): getattr(flight.state, name) for name in flight.state._fields}
-    command = {f"command_{_with_unit(name)}": getattr(flight.command, name) for name in flight.command._fields}
-    deviation = flight.deviation
-    return {
-        **state,
-        **command,
-        "cross_track_m": deviation.cross_track,
-        "cross_track_rate_mps": deviation.cross_track_rate,
-        "distance_to_go_m": deviation.distance_to_go,
-        "leg": flight.leg,
-        "phase": flight.phase,
-        "phases": np.array(flight.phases),
-    }
-
-
-SUFFIX_OF = {
-    "s": ("time",),
-    "m": ("north", "east", "height"),
-    "mps": ("velocity_north", "velocity_east", "velocity_up", "airspeed"),
-    "rad": ("bank", "pitch", "heading", "angle_of_attack", "sideslip", "flaps", "flight_path_angle"),
-    "radps": ("roll_rate", "pitch_rate", "yaw_rate"),
-    "mps2": ("specific_force_forward", "specific_force_right", "specific_force_down"),
-}
-
-
-def _with_unit(name: str) -> str:
-    return next((f"{name}_{suffix}" for suffix, names in SUFFIX_OF.items() if name in names), name)
-
-
-def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray]:
-    """The looks of all sensors: ``SENSOR.z`` in SI and radians with its channels beside it."""
-    arrays: dict[str, np.ndarray] = {}
-    for name, record in records.items():
-        arrays[f"{name}.time_s"] = record.time
-        arrays[f"{name}.arrival_s"] = record.arrival
-        arrays[f"{name}.channels"] = np.array(record.channels)
-        arrays[f"{name}.z"] = record.z
-        # sensors' errors are independent: R is diagonal
-        R = record.R if record.R.ndim == 4 else record.R[..., None]
-        arrays[f"{name}.sigma"] = np.sqrt(np.einsum("kiin->kin", R))
-        if record.candidates is not None:
-            arrays |= {f"{name}.plots.{column}": values for column, values in plot_columns(record).items()}
-    return arrays
-
-
-def plot_columns(record: SensorRecord) -> dict[str, np.ndarray]:
-    """All plots of a sensor with clutter, one row each: when, in which draw, whether the target's own, and where."""
-    plots = np.moveaxis(record.candidates, 2, -1)  # (k, c, draws, m)
-    epoch, plot, draw = np.nonzero(np.isfinite(plots).all(axis=-1))
-    places = plots[epoch, plot, draw].T
-    return {
-        "time_s": record.time[epoch],
-        "arrival_s": record.arrival[epoch],
-        "draw": draw,
-        "target": (plot == 0).astype(int),
-        **{with_unit(channel): values for channel, values in zip(record.channels, places, strict=True)},
-    }
-
-
-def _lap(timing: dict[str, float], name: str, since: float) -> None:
-    timing[name] = time.perf_counter() - since

@@ -84,3 +84,31 @@ def write_npz(path: Path, arrays: dict[str, Any]) -> None:
     """A file of named arrays; the name of each carries its unit. Noise does not compress, so nothing is compressed."""
     with path.open("wb") as file:
         np.savez(file, **{name: np.asarray(array) for name, array in arrays.items()})
+
+
+def replace(path: Path, text: str) -> None:
+    """Write a file so that it is whole or the old one, whatever happens."""
+    partial = path.with_name(f".{path.name}.partial")
+    try:
+        with partial.open("w") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(partial, path)
+        _sync(path.parent)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def replace_json(path: Path, content: Any) -> None:
+    """A JSON file with sorted keys, whole or not at all."""
+    replace(path, json.dumps(plain(content), sort_keys=True, indent=1, allow_nan=False) + "\n")
+
+
+def _sync(folder: Path) -> None:
+    """A new name is safe once its folder is on the disk."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

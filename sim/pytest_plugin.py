@@ -71,7 +71,7 @@ class CheckItem(pytest.Item):
 
     def runtest(self) -> None:
         """Fly the scenario, unless a check before this one did, and look at one of its checks."""
-        from sim.metrics.check_words import broken, phases
+        from sim.metrics.checks import broken, phases
 
         result = fly(self, self.path)
         if self.index is None:

@@ -19,6 +19,7 @@ import numpy as np
 from tracking.gaussian import Gaussian, Innovation, Mixture, lift, merge, reweigh
 from tracking.intervals import chi_square
 from tracking.track import Tracker
+from tracking.tree import walk
 
 Array = Any
 
@@ -93,19 +94,18 @@ class ProbabilisticDataAssociation:
 
 def blend(weights: Array, states: list[Any]) -> Any:
     """One state for all hypotheses of weights (h, *B): Gaussians merged by their moments, mixtures model by model."""
-    first = states[0]
-    if all(state is first for state in states):
-        return first
-    if isinstance(first, Gaussian):
-        return _merged(weights, states)
-    if isinstance(first, Mixture):
-        return _merged_models(weights, states)
-    if isinstance(first, tuple):
-        leaves = (blend(weights, list(parts)) for parts in zip(*states, strict=True))
-        return type(first)(*leaves) if hasattr(first, "_fields") else tuple(leaves)
-    if isinstance(first, np.ndarray | np.generic):
-        return _most_probable(weights, states)
-    return first
+
+    def blended(first: Any, *others: Any) -> Any:
+        leaves = [first, *others]
+        if all(leaf is first for leaf in others):
+            return first
+        if isinstance(first, Gaussian):
+            return _merged(weights, leaves)
+        if isinstance(first, Mixture):
+            return _merged_models(weights, leaves)
+        return _most_probable(weights, leaves) if isinstance(first, np.ndarray | np.generic) else first
+
+    return walk(blended, *states, whole=(Gaussian, Mixture))
 
 
 def _merged(weights: Array, states: list[Gaussian]) -> Gaussian:

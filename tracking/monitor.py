@@ -19,6 +19,7 @@ from scipy.special import gammaincc
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, merge
 from tracking.track import Tracker
+from tracking.tree import choose
 
 Array = Any
 
@@ -125,21 +126,6 @@ class Monitored:
         wide = np.asarray(self.wide, dtype=float)
         wide = wide.reshape(*wide.shape, *(1,) * (mean.ndim - 1))
         return self.tracker.step(self.tracker.begin(Gaussian(mean, wide)), 0.0, z, R)[0]
-
-
-def choose(mask: Array, one: Any, other: Any) -> Any:
-    """``one`` in the runs (*B) of the mask, ``other`` elsewhere, leaf by leaf through nested tuples of arrays.
-
-    What is the same in both, or is not an array (a count of epochs, a name), is taken from ``other``.
-    """
-    if one is other:
-        return other
-    if isinstance(other, tuple):
-        leaves = (choose(mask, a, b) for a, b in zip(one, other, strict=True))
-        return type(other)(*leaves) if hasattr(other, "_fields") else tuple(leaves)
-    if isinstance(other, np.ndarray | np.generic):
-        return np.where(mask, one, other)
-    return other
 
 
 def _emptied(window: Window) -> Window:

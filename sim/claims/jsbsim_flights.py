@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from aircraft.state import AircraftState
-from sim.flight.loop import RECORD_STEP, Flight
-from sim.metrics.comparison import truth_at
+from sim.flight.interpolation import truth_at
+from sim.flight.record import RECORD_STEP, Flight
 from sim.scenario.tables import Runway
 
 

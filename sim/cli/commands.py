@@ -108,7 +108,7 @@ def resume(
 
 
 def _study(folder: Path, fly: Any) -> None:
-    from sim.cli.study_summary import study_summary
+    from sim.cli.run_summary import study_summary
 
     try:
         metrics = fly(progress=_progress())
@@ -193,7 +193,7 @@ def validate(file: Scenario, sets: Sets = None) -> None:
     scenario = read(file, _overrides(sets))
     check(prepare(scenario))
     if scenario.study is not None:
-        from sim.studies.study import plan
+        from sim.studies.plan import plan
 
         plan(scenario)
     typer.echo(f"{scenario.name}: good")

@@ -12,27 +12,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-DISTRIBUTIONS = (
-    "jsbsim",
-    "numpy",
-    "scipy",
-    "control",
-    "filterpy",
-    "matplotlib",
-    "pydantic",
-    "typer",
-    "jinja2",
-    "pebble",
-)
+from sim.versions import DISTRIBUTIONS
+
 PROBE = "import jsbsim; jsbsim.FGJSBBase().debug_lvl = 0; f = jsbsim.FGFDMExec(None); print(f.get_version())"
-
-
-def versions() -> dict[str, str]:
-    """Versions of what decides the numbers of a run."""
-    found = {name: importlib.metadata.version(name) for name in ("jsbsim", "numpy", "scipy")}
-    from sim import __version__
-
-    return {"shortfinal": __version__, "python": platform.python_version(), "platform": platform.platform(), **found}
 
 
 def examine() -> tuple[list[str], bool]:

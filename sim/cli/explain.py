@@ -12,13 +12,13 @@ from autopilot.analysis import frequency_and_damping
 from autopilot.limit_cycles import caught, least_offset, limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
-from sim.cli.run_summary import table
+from sim.cli.text_table import table
 from sim.flight.departures import in_words
 from sim.flight.linear_model import has_route_loop, scenario_loop
 from sim.flight.preparation import TIME_LIMIT, Prepared, prepare
 from sim.flight.weather import words
 from sim.metrics import windshear
-from sim.scenario.reading import Scenario
+from sim.scenario.model import Scenario
 from sim.workers.isolation import apart
 
 

@@ -15,11 +15,10 @@ import numpy as np
 
 from sim.errors import OutputError
 from sim.files import MARK, staged
+from sim.reporting.run_files import with_unit
 from sim.studies.folder import IDENTITY, read_log
 
 RECORDS = ("flight", "measurements", "tracks")
-ANGLES = ("azimuth", "elevation", "bearing", "course", "bank", "heading", "turn", "path_angle")  # others are lengths
-PER_TIME = {"_rate": "ps", "_speed": "ps", "_acceleration": "ps2"}  # how a channel's name ends -> how its unit does
 Columns = dict[str, np.ndarray]
 
 
@@ -115,16 +114,6 @@ def _table(arrays: Columns) -> Columns:
         columns[with_unit(channel)] = values[:, row].ravel()
         columns[with_unit(f"{channel}_sigma")] = sigma[:, row].ravel()
     return columns
-
-
-def with_unit(channel: str) -> str:
-    """The channel, or its standard deviation, with the SI suffix of its quantity."""
-    plain = channel.removesuffix("_sigma")
-    if "load_factor" in plain:
-        return channel
-    quantity = "rad" if any(angle in plain for angle in ANGLES) else "m"
-    per_time = next((suffix for ending, suffix in PER_TIME.items() if plain.endswith(ending)), "")
-    return f"{channel}_{quantity}{per_time}"
 
 
 def _write_csv(path: Path, columns: Columns) -> None:

@@ -198,7 +198,7 @@ def answers(
 def write(models: Sequence[str], workers: int = 1) -> None:
     """Measure stock aircraft and write both tables; rows of others stay, as long as the versions are the same."""
     from aircraft.slowest import STOCK_TABLE
-    from sim.cli.doctor import versions
+    from sim.versions import versions
 
     under = {"versions": {key: versions()[key] for key in ("shortfinal", "jsbsim")}}
     facts = dict(_shown(answers(described, models, workers), len(models)))

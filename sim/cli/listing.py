@@ -44,7 +44,7 @@ def aircraft_lines() -> list[str]:
     """Aircraft that a scenario can name, and how each of JSBSim's own flew when the table of the fleet was made."""
     from aircraft.model_files import available
     from sim.cli.fleet import TABLE
-    from sim.cli.run_summary import table
+    from sim.cli.text_table import table
 
     measured = tomllib.loads(TABLE.read_text()) if TABLE.is_file() else {"aircraft": {}}
     flown = measured["aircraft"]

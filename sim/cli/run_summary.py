@@ -1,10 +1,11 @@
-"""The result of a run in a few lines of plain text."""
+"""The result of a run, or of a study, in a few lines of plain text."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from sim.metrics.check_words import broken
+from sim.cli.text_table import table
+from sim.metrics.checks import broken, broken_in_study
 from sim.metrics.conformance import told_in_words
 from sim.metrics.navigation import beside
 
@@ -64,11 +65,20 @@ def _number(value: float | str | None) -> str:
     return "-" if value is None else f"{value:.4g}"
 
 
-def table(rows: list[Any], words: int) -> list[str]:
-    """Aligned columns: the first ``words`` and the last of a table of verdicts to the left, numbers to the right."""
-    widths = [max(len(str(row[i])) for row in rows) for i in range(len(rows[0]))]
-    lines = []
-    for row in rows:
-        cells = [f"{c:<{w}}" if i < words else f"{c:>{w}}" for i, (c, w) in enumerate(zip(row, widths, strict=True))]
-        lines.append("  ".join(cells).rstrip())
-    return lines
+def study_summary(metrics: dict[str, Any]) -> str:
+    """How all flights ended, then the checks as an aligned table."""
+    ended = ", ".join(f"{count} {name}" for name, count in sorted(metrics["outcomes"].items()))
+    lines = [f"{metrics['scenario']}: {metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}"]
+    if metrics["checks"]:
+        header = ["check", "flights", "within", "value", "limit", "margin", ""]
+        lines += ["", *table([header, *map(_shown, metrics["checks"])], 1)]
+    failed = [check for check in metrics["checks"] if check["passed"] is False]
+    if failed:
+        lines += ["", *map(broken_in_study, failed)]
+    return "\n".join(lines)
+
+
+def _shown(check: dict[str, Any]) -> list[Any]:
+    numbers = ["-" if check[key] is None else f"{check[key]:.4g}" for key in ("value", "limit", "margin")]
+    verdict = {None: "not flown", True: "passed", False: "FAILED"}[check["passed"]]
+    return [check["name"], check["flights"], check["within"], *numbers, verdict]

@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 
 from sim.estimation.batching import as_one
-from sim.flight.loop import Flight
-from sim.metrics import comparison as channels
+from sim.flight.interpolation import truth_at
+from sim.flight.record import Flight
+from sim.metrics import comparison
 from tracking.gaussian import Mixture, merge
 from tracking.track import Epoch
+from tracking.tree import narrowed, side_by_side
 
 SPANS = (20.0, 60.0, 120.0)  # s
 INSTANTS = 4  # from which is looked ahead, spread over the track
@@ -81,52 +83,15 @@ class LookAhead:
         cov = np.broadcast_to(cov if np.ndim(cov) == 3 else cov[..., None], (n, n, mean.shape[1]))
         mean = np.moveaxis(mean.reshape(n, *shape), 1, 0)[within]  # (instants, n, twins, draws)
         cov = np.moveaxis(cov.reshape(n, n, *shape), 2, 0)[within]
-        truth = channels.truth_at(self.flight, times[within])
+        truth = truth_at(self.flight, times[within])
         names = self.trackers[0].channels
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             errors = [
-                channels.compare(self.flight, truth, names, mean[:, :, twin], cov[..., twin, :], self.sensors)
+                comparison.compare(self.flight, truth, names, mean[:, :, twin], cov[..., twin, :], self.sensors)
                 for twin in range(len(self.trackers))
             ]
-        return [{channel: channels.squared(one) for channel, one in compared.items()} for compared in errors]
+        return [{channel: comparison.squared(one) for channel, one in compared.items()} for compared in errors]
 
 
 def _rmse(by_channel: dict[str, list[np.ndarray]]) -> dict[str, float]:
     return {channel: float(np.sqrt(np.mean(np.concatenate(parts)))) for channel, parts in by_channel.items()}
-
-
-def narrowed(state: Any, runs: int, rows: np.ndarray) -> Any:
-    """A tracker's state with some of its runs: of every array whose last axis is the runs, those ``rows``."""
-    if len(rows) == runs:
-        return state
-    if isinstance(state, np.ndarray):
-        return state[..., rows] if state.ndim and state.shape[-1] == runs else state
-    if isinstance(state, dict):
-        return {key: narrowed(value, runs, rows) for key, value in state.items()}
-    if isinstance(state, tuple):
-        parts = [narrowed(part, runs, rows) for part in state]
-        return type(state)(*parts) if hasattr(state, "_fields") else tuple(parts)
-    return state
-
-
-def side_by_side(states: list[Any], draws: int) -> Any:
-    """States of one tracker as one state whose last axis holds the draws of the first, then those of the second, ...
-
-    What is alike in all stays shared. Raises ``TypeError`` where something differs that has no axis of draws.
-    """
-    first = states[0]
-    if isinstance(first, tuple):
-        parts = [side_by_side(list(part), draws) for part in zip(*states, strict=True)]
-        return type(first)(*parts) if hasattr(first, "_fields") else tuple(parts)
-    if isinstance(first, dict):
-        return {key: side_by_side([state[key] for state in states], draws) for key in first}
-    if isinstance(first, np.ndarray) and first.ndim:
-        if len({state.shape for state in states}) == 1 and all(np.array_equal(first, s) for s in states[1:]):
-            return first if first.shape[-1] != draws or draws == 1 else np.concatenate(states, axis=-1)
-        if all(state.shape[-1] in (1, draws) for state in states):
-            return np.concatenate([np.broadcast_to(s, (*s.shape[:-1], draws)) for s in states], axis=-1)
-    elif isinstance(first, int | float | np.generic):
-        return first if all(state == first for state in states) else np.repeat(states, draws)
-    elif all(state is first for state in states):
-        return first
-    raise TypeError(f"states of the type {type(first).__name__} cannot stand side by side")

@@ -12,8 +12,8 @@ from aircraft.state import AircraftState, Command
 from sim.errors import ScenarioError
 from sim.estimation.prior import prior
 from sim.estimation.setup import build
-from sim.flight.loop import Flight
 from sim.flight.preparation import Prepared
+from sim.flight.record import Flight
 from sim.randomness import Streams
 from tracking.gaussian import Gaussian, Mixture, merge
 

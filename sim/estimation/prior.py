@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
-from sim.metrics.comparison import truth_at
+from sim.flight.interpolation import truth_at
+from sim.flight.record import Flight
 from sim.randomness import stream
 from tracking.gaussian import Gaussian
 from tracking.measurement import wrap

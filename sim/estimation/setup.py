@@ -10,8 +10,8 @@ from sim.errors import ScenarioError
 from sim.estimation.clutter import AmongFalsePlots
 from sim.flight.preparation import Prepared
 from sim.scenario import catalogue
+from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
-from sim.scenario.reading import TrackerChoice
 from tracking.measurement import DebiasedPolar, LinearMeasurement, Stacked
 
 

@@ -12,13 +12,13 @@ from sim.estimation import prior as components
 from sim.estimation.batching import alike, apart, as_one, repeated
 from sim.estimation.look_ahead import LookAhead
 from sim.estimation.setup import adopt, build, chart_height, gives_place, reads_places
-from sim.flight.loop import Flight
 from sim.flight.preparation import Prepared
+from sim.flight.record import Flight
 from sim.metrics import conformance
-from sim.metrics.conformance import CONFORMANCE
 from sim.metrics.tracker import judge
 from sim.observation.record import SensorRecord, measurements
 from sim.workers.helper_process import ALONE, SecondProcess
+from tracking.conformance import CONFORMANCE
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.track import Measurements, Track, follow
 from tracking.track import track as run_tracker

@@ -8,7 +8,7 @@ from typing import Any
 
 from autopilot.approach import Approach
 from autopilot.departure import Departing, Displaced, HeldBank
-from sim.flight.loop import Event, Flight
+from sim.flight.record import Event, Flight
 from sim.scenario.tables import Departure
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from aircraft.state import AircraftState
+from sim.flight.record import Flight
 
 
 def position_at(before: AircraftState, after: AircraftState, time: float) -> np.ndarray:
@@ -31,4 +32,32 @@ def hermite(t0: Any, t1: Any, p0: Any, p1: Any, v0: Any, v1: Any, time: Any) -> 
         + (s**3 - 2 * s**2 + s) * h * v0
         + (-2 * s**3 + 3 * s**2) * p1
         + (s**3 - s**2) * h * v1
+    )
+
+
+class Truth(NamedTuple):
+    """The flight at the epochs of a tracker; k instants."""
+
+    time: np.ndarray  # (k,)
+    position: np.ndarray  # (3, k) m
+    velocity: np.ndarray  # (3, k) m/s
+    leg: np.ndarray  # (k,) leg active in truth
+    phase: np.ndarray  # (k,) index into the flight's phases
+
+
+def truth_at(flight: Flight, time: np.ndarray) -> Truth:
+    """The flight interpolated at ``time`` (k,), cubic between its records."""
+    s = flight.state
+    after = np.clip(np.searchsorted(s.time, time), 1, len(s.time) - 1)
+    before = after - 1
+    position = np.array((s.north, s.east, s.height))
+    velocity = np.array((s.velocity_north, s.velocity_east, s.velocity_up))
+    t0, t1 = s.time[before], s.time[after]
+    share = (time - t0) / (t1 - t0)
+    return Truth(
+        time,
+        hermite(t0, t1, position[:, before], position[:, after], velocity[:, before], velocity[:, after], time),
+        velocity[:, before] * (1 - share) + velocity[:, after] * share,
+        flight.leg[before],
+        flight.phase[before],
     )

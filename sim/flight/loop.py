@@ -5,71 +5,18 @@ from __future__ import annotations
 import contextlib
 import gc
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from aircraft.errors import FlightError
 from aircraft.state import AircraftState, Command
-from autopilot.route import PathDeviation, Route
 from sim.flight.outcomes import Judge, Limits
+from sim.flight.record import RECORD_STEP, Event, Flight
 
-RECORD_STEP = 1.0 / 30.0  # s, of the record and of the autopilot
-GATE_HEIGHT = 300.0  # m; at and below, an approach must be stabilised
 JUDGED = 10  # records between two looks of the judge, who looks at every one close to the ground
 LOW = 15.0  # m
 NEAR_GROUND = 60.0  # m; below, the autopilot runs at twice the rate for the flare
-
-
-class Event(NamedTuple):
-    """Something that happened once."""
-
-    time: float  # s
-    name: str
-    detail: str = ""
-
-
-@dataclass(frozen=True)
-class Flight:
-    """One closed-loop flight; every array has the record's k instants in front."""
-
-    route: Route
-    state: AircraftState  # of arrays (k,)
-    command: Command  # of arrays (k,)
-    leg: np.ndarray  # (k,) int
-    phase: np.ndarray  # (k,) index into phases
-    phases: tuple[str, ...]
-    events: tuple[Event, ...]
-    outcome: str
-    reason: str
-
-    @property
-    def time(self) -> np.ndarray:
-        """(k,) s."""
-        return np.asarray(self.state.time)
-
-    @property
-    def deviation(self) -> PathDeviation:
-        """Deviation from the leg that was active, of arrays (k,)."""
-        s = self.state
-        return self.route.deviation(self.leg, (s.north, s.east), (s.velocity_north, s.velocity_east), s.heading)
-
-    @property
-    def wind(self) -> np.ndarray:
-        """(3, k) m/s north, east, up: the way the air moves, from the velocity over the ground and through the air."""
-        s = self.state
-        return np.array((s.velocity_north, s.velocity_east, s.velocity_up)) - np.array(s.air_velocity)
-
-    def during(self, phases: str | tuple[str, ...]) -> np.ndarray:
-        """(k,) bool: where one of the phases was flown; ``all`` is everywhere, ``gate`` the glide path below 300 m."""
-        wanted = (phases,) if isinstance(phases, str) else phases
-        if "all" in wanted:
-            return np.ones(len(self.time), bool)
-        if "gate" in wanted:
-            rest = tuple(name for name in wanted if name != "gate")
-            return (self.during("glide") & (self.state.height <= GATE_HEIGHT)) | self.during(rest)
-        return np.isin(self.phase, [i for i, name in enumerate(self.phases) if name in wanted])
 
 
 def fly(

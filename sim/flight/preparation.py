@@ -28,7 +28,7 @@ from sim.flight.weather import air
 from sim.metrics import checks
 from sim.randomness import Streams
 from sim.scenario.messages import told
-from sim.scenario.reading import Scenario
+from sim.scenario.model import Scenario
 from sim.scenario.tables import PatternTable
 from sim.workers.isolation import apart
 

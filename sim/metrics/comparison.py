@@ -6,22 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.flight.interpolation import hermite
-from sim.flight.loop import Flight
+from sim.flight.interpolation import Truth
+from sim.flight.record import Flight
 from tracking.measurement import wrap
 
 # unit suffix of a comparison channel and the factor from SI to it
 UNITS = {"azimuth": ("deg", 180 / np.pi), "elevation": ("deg", 180 / np.pi)}
-
-
-class Truth(NamedTuple):
-    """The flight at the epochs of a tracker; k instants."""
-
-    time: np.ndarray  # (k,)
-    position: np.ndarray  # (3, k) m
-    velocity: np.ndarray  # (3, k) m/s
-    leg: np.ndarray  # (k,) leg active in truth
-    phase: np.ndarray  # (k,) index into the flight's phases
 
 
 class Compared(NamedTuple):
@@ -29,24 +19,6 @@ class Compared(NamedTuple):
 
     error: np.ndarray  # (k, d, draws)
     cov: Any  # (k, d, d, draws or 1); None for raw measurements
-
-
-def truth_at(flight: Flight, time: np.ndarray) -> Truth:
-    """The flight interpolated at ``time`` (k,), cubic between its records."""
-    s = flight.state
-    after = np.clip(np.searchsorted(s.time, time), 1, len(s.time) - 1)
-    before = after - 1
-    position = np.array((s.north, s.east, s.height))
-    velocity = np.array((s.velocity_north, s.velocity_east, s.velocity_up))
-    t0, t1 = s.time[before], s.time[after]
-    share = (time - t0) / (t1 - t0)
-    return Truth(
-        time,
-        hermite(t0, t1, position[:, before], position[:, after], velocity[:, before], velocity[:, after], time),
-        velocity[:, before] * (1 - share) + velocity[:, after] * share,
-        flight.leg[before],
-        flight.phase[before],
-    )
 
 
 def compare(

@@ -13,9 +13,9 @@ import numpy as np
 
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.estimate_lag import bank_lag, standing_lag
-from sim.flight.loop import Flight
+from sim.flight.interpolation import truth_at
 from sim.flight.preparation import Prepared
-from sim.metrics.comparison import truth_at
+from sim.flight.record import Flight
 from tracking.track import Track
 
 GOOD = ("landed", "completed")

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.scenario.tables import Runway
 
 # A single upper limit on one of these is meant for its magnitude.

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
-from sim.metrics import comparison as channels
+from sim.flight.interpolation import truth_at
+from sim.flight.record import Flight
+from sim.metrics import comparison
 from tracking import consistency
 from tracking.track import Measurements, Track
 
@@ -17,16 +18,16 @@ def judge(
     flight: Flight, sensors: dict[str, Any], chart_height: float, track: Track, record: Measurements
 ) -> dict[str, Any]:
     """The figures of one tracker for metrics.json; ``sensors`` are those that it heard, ``record`` what they said."""
-    truth = channels.truth_at(flight, track.time)
+    truth = truth_at(flight, track.time)
     order = np.argsort(record.arrival, kind="stable")
     cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
-    errors = channels.compare(flight, truth, track.channels, track.mean, cov, sensors)
-    taken = channels.truth_at(flight, record.time[order])  # a plot is judged when it was true, an estimate now
-    plots = channels.raw(flight, taken, record.channels, record.z[order], sensors, chart_height)
+    errors = comparison.compare(flight, truth, track.channels, track.mean, cov, sensors)
+    taken = truth_at(flight, record.time[order])  # a plot is judged when it was true, an estimate now
+    plots = comparison.raw(flight, taken, record.channels, record.z[order], sensors, chart_height)
     figures: dict[str, Any] = {"overall": {}, "by_phase": {}}
     for channel, compared in errors.items():
-        squares = channels.squared(compared)
-        measured = channels.squared(plots[channel]) if channel in plots else np.full_like(squares, np.nan)
+        squares = comparison.squared(compared)
+        measured = comparison.squared(plots[channel]) if channel in plots else np.full_like(squares, np.nan)
         looked = np.isfinite(measured).any(axis=1) if channel in plots else np.ones(len(squares), bool)
         if not looked.any():
             continue
@@ -38,7 +39,7 @@ def judge(
     first = next(iter(errors.values()), None)
     if first is not None:
         dimension = first.error.shape[1]
-        squares = channels.normalised(first)
+        squares = comparison.normalised(first)
         anees = consistency.mean_interval(np.mean(squares, axis=0) / dimension)
         figures |= {"anees": anees.value, "anees_low": anees.low, "anees_high": anees.high}
         figures["lost_fraction"] = float(np.mean(consistency.lost(squares, dimension)))

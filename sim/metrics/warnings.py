@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
 
 CLOSE = 50.0  # m from an antenna: there the noise of a range is a good part of it, and its angles mean little

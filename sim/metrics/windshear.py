@@ -13,8 +13,8 @@ from aircraft.errors import TrimError
 from aircraft.state import STANDARD_GRAVITY
 from aircraft.trim import trim
 from aircraft.wind_events.microburst import Microburst
-from sim.flight.loop import Flight
 from sim.flight.preparation import TIME_LIMIT, Prepared
+from sim.flight.record import Flight
 from sim.scenario.tables import Runway
 from sim.workers.isolation import apart
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from aircraft.state import AircraftState
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.randomness import Streams
 from tracking.track import Measurements
 

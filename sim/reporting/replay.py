@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
-from sim.metrics.comparison import truth_at
+from sim.flight.interpolation import truth_at
+from sim.flight.record import Flight
 from sim.metrics.signals import height_error
 from sim.reporting.figures import style
 from sim.reporting.figures.plan_view import RUNWAY_LENGTH

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from sim.errors import ScenarioError
-from sim.scenario.reading import Scenario
+from sim.scenario.model import Scenario
 
 USUAL_FLIGHT = 600.0  # s, where the scenario does not say until when
 RECORD = 30 * 50 * 8  # bytes of one second of a flight: 30 Hz, some fifty doubles

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import tomllib
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from pydantic import ValidationError
 from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import catalogue
 from sim.scenario.messages import faults_of, stem, told
+from sim.scenario.model import Scenario, TrackerChoice
 from sim.scenario.parameters import construct, dump, parameters
 from sim.scenario.schema import ROUTES, file_model, kind_of, parts_of
 from sim.scenario.tables import (
@@ -20,8 +20,6 @@ from sim.scenario.tables import (
     AutopilotTable,
     Check,
     Departure,
-    LegsTable,
-    PatternTable,
     Runway,
     Start,
     StudyTable,
@@ -32,44 +30,6 @@ LARGEST_FILE = 1 << 20  # bytes; a scenario is a page of text
 DEEPEST = 100  # dots of one key; many more would keep the reader busy for minutes
 LONGEST_PATH = 200  # characters that are repeated to the user
 DEFAULTS: dict[str, Any] = {"seed": 1, "flights": 1, "draws": 130, "until_s": None}
-
-
-@dataclass(frozen=True)
-class TrackerChoice:
-    """One tracker of a scenario: its kind, what it listens to, who hands over, and the law it is told."""
-
-    kind: str
-    sensors: tuple[str, ...]
-    handover: str | None
-    table: dict[str, Any]  # its own parameters, validated, as spelled in the file
-    law: dict[str, float]  # absolute values in SI, or <field>_factor; empty = the law that flies
-    association: str | None = None  # how it finds the target's plot among false ones; None = there are none
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """A validated experiment; values in SI."""
-
-    name: str
-    seed: int
-    flights: int
-    draws: int
-    until: float | None
-    runway: Runway
-    aircraft: AircraftChoice
-    start: Start
-    route: PatternTable | LegsTable
-    autopilot: AutopilotTable
-    mode: str  # kind of law, a file of autopilot/modes
-    law: dict[str, float]  # what the file sets of it, SI; the rest is designed
-    designed: dict[str, Any] | None  # gains as they travel to workers
-    wind: WindTable
-    sensors: dict[str, Any]
-    trackers: dict[str, TrackerChoice]
-    departures: tuple[Departure, ...]
-    checks: tuple[Check, ...]
-    study: StudyTable | None
-    tables: dict[str, Any] = field(repr=False)  # the resolved file
 
 
 def read(source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Scenario:

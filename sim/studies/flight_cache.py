@@ -21,9 +21,9 @@ import numpy as np
 
 from aircraft.model_files import folder as model_folder
 from aircraft.state import AircraftState, Command
-from sim.cli.doctor import versions
-from sim.flight.loop import Event, Flight
 from sim.flight.preparation import Prepared
+from sim.flight.record import Event, Flight
+from sim.versions import versions
 
 WITHOUT = ("name", "flights", "draws", "sensors", "trackers", "checks", "study")  # of a scenario: not of its flights
 LARGEST_CACHE = 1 << 30  # bytes in one study folder

@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from sim.cli.doctor import versions
 from sim.errors import OutputError
-from sim.files import claim, plain
+from sim.files import claim, plain, replace
+from sim.versions import versions
 
 LOG, SCENARIO, IDENTITY = "flights.jsonl", "scenario.toml", "cache/identity.json"
 RESULTS = ("metrics.json", "report.html")
@@ -89,34 +89,6 @@ def _difference(theirs: dict[str, Any], mine: dict[str, Any]) -> str:
     old, new = theirs.get("versions", {}), mine["versions"]
     changed = [f"{name} {old.get(name)}, not {new[name]}" for name in sorted(new) if old.get(name) != new[name]]
     return f"a study begun with {'; '.join(changed)}"
-
-
-def replace(path: Path, text: str) -> None:
-    """Write a file so that it is whole or the old one, whatever happens."""
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        with partial.open("w") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(partial, path)
-        _sync(path.parent)
-    finally:
-        partial.unlink(missing_ok=True)
-
-
-def replace_json(path: Path, content: Any) -> None:
-    """A JSON file with sorted keys, whole or not at all."""
-    replace(path, json.dumps(plain(content), sort_keys=True, indent=1, allow_nan=False) + "\n")
-
-
-def _sync(folder: Path) -> None:
-    """A new name is safe once its folder is on the disk."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 @contextlib.contextmanager

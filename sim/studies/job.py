@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sim.errors import ScenarioError
-from sim.flight.loop import Flight
 from sim.flight.preparation import Prepared, prepare
+from sim.flight.record import Flight
 from sim.metrics.checks import judge
 from sim.metrics.flight import flight_metrics
 from sim.scenario.reading import override, read

@@ -15,7 +15,8 @@ from autopilot.design import law_of_frequency
 from autopilot.limit_cycles import LimitedLoop, caught, limited_loop, onset
 from autopilot.route_loop import linear_onset
 from sim.errors import ScenarioError
-from sim.scenario.reading import Scenario, override, read
+from sim.scenario.model import Scenario
+from sim.scenario.reading import override, read
 
 
 class Line(NamedTuple):

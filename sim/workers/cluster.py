@@ -134,7 +134,7 @@ class ClusterExecutor:
 @functools.cache
 def numerics() -> dict[str, str]:
     """What a machine must have in common with another to compute the same bytes."""
-    from sim.cli.doctor import versions
+    from sim.versions import versions
 
     found = {name: version for name, version in versions().items() if name != "platform"}
     return {**found, "machine": platform.machine(), "libc": "-".join(platform.libc_ver())}

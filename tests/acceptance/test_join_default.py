@@ -19,8 +19,9 @@ import pytest
 from sim.estimation.setup import chart_height
 from sim.estimation.tracking_run import track
 from sim.experiment import fly
+from sim.flight.interpolation import truth_at
 from sim.flight.preparation import prepare
-from sim.metrics import comparison as channels
+from sim.metrics import comparison
 from sim.observation.record import observe
 from sim.scenario.reading import read
 from tracking.intervals import gain
@@ -56,16 +57,16 @@ def everyone():
 def squares(prepared, flight, one, heard):
     """Squared position errors of one tracker and of its plots, where there is a plot."""
     sensors = {name: prepared.scenario.sensors[name] for name in heard}
-    truth = channels.truth_at(flight, one.track.time)
+    truth = truth_at(flight, one.track.time)
     cov = one.track.cov if one.track.cov.ndim == 4 else one.track.cov[..., None]
-    own = channels.compare(flight, truth, one.track.channels, one.track.mean, cov, sensors)["position_m"]
+    own = comparison.compare(flight, truth, one.track.channels, one.track.mean, cov, sensors)["position_m"]
     order = np.argsort(one.measurements.arrival, kind="stable")
-    taken = channels.truth_at(flight, one.measurements.time[order])
+    taken = truth_at(flight, one.measurements.time[order])
     z = one.measurements.z[order]
-    plots = channels.raw(flight, taken, one.measurements.channels, z, sensors, chart_height(prepared))["position_m"]
-    raw = channels.squared(plots)
+    plots = comparison.raw(flight, taken, one.measurements.channels, z, sensors, chart_height(prepared))["position_m"]
+    raw = comparison.squared(plots)
     seen = np.isfinite(raw).all(axis=1)
-    return channels.squared(own)[seen], raw[seen], np.array(flight.phases)[truth.phase[seen]]
+    return comparison.squared(own)[seen], raw[seen], np.array(flight.phases)[truth.phase[seen]]
 
 
 @pytest.mark.parametrize("name", everyone())

@@ -12,7 +12,8 @@ import pytest
 
 import sim
 from sim.estimation.setup import chart_height
-from sim.metrics import comparison as channels
+from sim.flight.interpolation import truth_at
+from sim.metrics import comparison
 from tracking.intervals import gain, mean_interval, proportion, rmse
 
 pytestmark = pytest.mark.acceptance
@@ -32,15 +33,15 @@ def squares(result, name, channel):
     tracked, flight, scenario = result.tracks[name], result.flight, result.scenario
     track, record = tracked.track, tracked.measurements
     sensors = {s: scenario.sensors[s] for s in scenario.trackers[name].sensors}
-    truth = channels.truth_at(flight, track.time)
+    truth = truth_at(flight, track.time)
     cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
-    own = channels.compare(flight, truth, track.channels, track.mean, cov, sensors)[channel]
+    own = comparison.compare(flight, truth, track.channels, track.mean, cov, sensors)[channel]
     order = np.argsort(record.arrival, kind="stable")
-    taken = channels.truth_at(flight, record.time[order])
-    plots = channels.raw(flight, taken, record.channels, record.z[order], sensors, chart_height(result.prepared))
-    raw = channels.squared(plots[channel])
+    taken = truth_at(flight, record.time[order])
+    plots = comparison.raw(flight, taken, record.channels, record.z[order], sensors, chart_height(result.prepared))
+    raw = comparison.squared(plots[channel])
     seen = np.isfinite(raw).all(axis=1)
-    return channels.squared(own)[seen], raw[seen], np.array(flight.phases)[truth.phase[seen]]
+    return comparison.squared(own)[seen], raw[seen], np.array(flight.phases)[truth.phase[seen]]
 
 
 def told(interval, digits=2):
@@ -220,9 +221,9 @@ def test_kychak_on_the_glide_path(row):
 def test_consistency_of_the_law_aware_on_jsbsim(row):
     result = ran("vasylyev2003_jsbsim", LAWS, 400)
     track = result.tracks["saturated_control"].track
-    truth = channels.truth_at(result.flight, track.time)
+    truth = truth_at(result.flight, track.time)
     cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
-    compared = channels.compare(result.flight, truth, track.channels, track.mean, cov, {})["cross_track_m"]
-    figure = mean_interval(channels.normalised(compared).mean(axis=0))
+    compared = comparison.compare(result.flight, truth, track.channels, track.mean, cov, {})["cross_track_m"]
+    figure = mean_interval(comparison.normalised(compared).mean(axis=0))
     row("vasylyev2003_jsbsim: saturated control, ANEES of cross-track (q 0.1 m2/s3)", "shown", told(figure), True)
     assert np.isfinite(figure.value)

@@ -7,7 +7,7 @@ import pytest
 
 from aircraft.state import AircraftState, Command
 from autopilot.route import Leg, Route
-from sim.flight.loop import Event, Flight
+from sim.flight.record import Event, Flight
 
 PHASES = ("final", "glide", "flare", "ground", "go_around")
 

@@ -8,12 +8,13 @@ import pytest
 from tracking.gaussian import Gaussian, Innovation, Mixture, merge
 from tracking.intervals import mean_interval
 from tracking.measurement import LinearMeasurement
-from tracking.monitor import Monitored, NisMonitor, choose
+from tracking.monitor import Monitored, NisMonitor
 from tracking.motion import ConstantVelocity, planar_constant_velocity
 from tracking.track import Measurements, follow, track
 from tracking.trackers.gated import Gated
 from tracking.trackers.imm import InteractingMultipleModel, improved_set
 from tracking.trackers.kalman import Kalman
+from tracking.tree import choose
 
 POSITION = LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
 PRIOR = Gaussian(np.array([0.0, 70.0, 0.0, 0.0]), np.diag([400.0, 25.0, 400.0, 25.0]))

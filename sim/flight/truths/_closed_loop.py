@@ -11,7 +11,7 @@ import numpy as np
 from aircraft.point_mass import PointMass, PointMassState
 from aircraft.state import AircraftState, Command
 from autopilot.route import PathDeviation, Route
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.flight.truths._motion import recorded
 
 Array = Any

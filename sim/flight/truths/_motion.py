@@ -8,7 +8,7 @@ import numpy as np
 
 from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
 from autopilot.route import Route
-from sim.flight.loop import Event, Flight
+from sim.flight.record import Event, Flight
 
 Array = Any
 

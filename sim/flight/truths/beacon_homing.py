@@ -12,7 +12,7 @@ from aircraft.point_mass import PointMass
 from aircraft.state import AircraftState
 from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, PathDeviation, Route
-from sim.flight.loop import RECORD_STEP, Flight
+from sim.flight.record import RECORD_STEP, Flight
 from sim.flight.truths._closed_loop import Closed, Plan, fly_closed, wandering_air
 
 NOMINAL = RadioBeacon(6.0, 1.2, math.radians(20.0), math.radians(5.0))

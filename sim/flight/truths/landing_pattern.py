@@ -13,7 +13,7 @@ from aircraft.state import AircraftState
 from autopilot.approach import Landing
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, PathDeviation, Route
-from sim.flight.loop import RECORD_STEP, Flight
+from sim.flight.record import RECORD_STEP, Flight
 from sim.flight.truths._closed_loop import Closed, Plan, choose, fly_closed, wandering_air
 
 PHASES = ("base", "final_turn", "final", "glide", "ground")

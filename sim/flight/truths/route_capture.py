@@ -12,7 +12,7 @@ from aircraft.point_mass import PointMass
 from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, PathDeviation, Route
-from sim.flight.loop import RECORD_STEP, Flight
+from sim.flight.record import RECORD_STEP, Flight
 from sim.flight.truths._closed_loop import Closed, Plan, fly_closed, wandering_air
 from sim.flight.truths._motion import recorded, state_of_motion
 

@@ -10,7 +10,7 @@ from typing import Annotated
 import numpy as np
 
 from autopilot.route import Leg, Route
-from sim.flight.loop import RECORD_STEP, Flight
+from sim.flight.record import RECORD_STEP, Flight
 from sim.flight.truths._motion import prescribed_flight
 from sim.flight.truths._turns import Turn, TurningFlight
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.metrics.flight import GLIDE_CAPTURE
 from sim.metrics.signals import height_error
 from sim.reporting.figures import style

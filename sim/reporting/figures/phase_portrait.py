@@ -10,7 +10,7 @@ import numpy as np
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import PathDeviation
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase
 from sim.reporting.figures.thinning import runs

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase, phase_handles
 from sim.reporting.text.labels import words

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.metrics.signals import height_error
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase, pad

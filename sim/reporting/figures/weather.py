@@ -11,7 +11,7 @@ import numpy as np
 from aircraft.turbulence import across_spectrum, along_spectrum
 from aircraft.turbulence_intensity import intensity
 from aircraft.wind_events.microburst import Microburst
-from sim.flight.loop import RECORD_STEP, Flight
+from sim.flight.record import RECORD_STEP, Flight
 from sim.flight.weather import air
 from sim.metrics.windshear import averaged_f_factor
 from sim.reporting.figures import style

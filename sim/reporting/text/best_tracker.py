@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.reporting.text.labels import column, number, split, words
 from sim.reporting.tracker_figures.error_curves import Followed
 

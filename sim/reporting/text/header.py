@@ -8,7 +8,7 @@ import numpy as np
 
 from aircraft.data import data
 from sim.flight import weather
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.reporting.text.best_tracker import who_won
 from sim.reporting.text.labels import decimals, number, split, words
 from sim.reporting.text.outcome_sentence import what_happened

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.reporting.text.labels import duration, number
 
 NARROW = 0.05  # m; nearer to a line than this is on it

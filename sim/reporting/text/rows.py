@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.metrics.navigation import beside
 from sim.metrics.signals import SIGNALS
 from sim.reporting.text.labels import ABSENT, decimals, number, split, unit, words

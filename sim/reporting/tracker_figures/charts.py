@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
-from sim.metrics.conformance import Watched, told_in_words
+from sim.flight.record import Flight
+from sim.metrics.conformance import told_in_words
 from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart
 from sim.reporting.text.labels import words
@@ -24,6 +24,7 @@ from sim.reporting.tracker_figures.tracking_errors import (
     error_over_time,
     look_ahead_fan,
 )
+from tracking.conformance import Watched
 
 
 def error_charts(

@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.flight.loop import Flight
-from sim.metrics import comparison as channels
+from sim.flight.interpolation import truth_at
+from sim.flight.record import Flight
+from sim.metrics import comparison
 from sim.reporting.figures import style
 from sim.reporting.figures.thinning import runs
 
@@ -75,13 +76,13 @@ def _one(scenario: Any, flight: Flight, name: str, look: dict[str, Any], one: An
     heard = {channel.partition(".")[0] for channel in record.channels}
     spoken = {channel.partition(".")[0] for channel in track.channels}
     sensors = {sensor: it for sensor, it in scenario.sensors.items() if sensor in heard}
-    truth = channels.truth_at(flight, track.time)
+    truth = truth_at(flight, track.time)
     cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
     own = {sensor: it for sensor, it in sensors.items() if sensor in spoken}
-    compared = channels.compare(flight, truth, track.channels, track.mean, cov, own)
+    compared = comparison.compare(flight, truth, track.channels, track.mean, cov, own)
     order = np.argsort(record.arrival, kind="stable")
-    taken = channels.truth_at(flight, record.time[order])
-    plots = channels.raw(flight, taken, record.channels, record.z[order], sensors, flight.route.legs[0].height)
+    taken = truth_at(flight, record.time[order])
+    plots = comparison.raw(flight, taken, record.channels, record.z[order], sensors, flight.route.legs[0].height)
     first, draws = _first_seen(plots), track.mean.shape[2]
     edges = windows(track.time, first, flight, draws)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -145,9 +146,9 @@ def _shown(truth: Any, sensors: dict[str, Any], compared: dict[str, Any]) -> tup
 
 
 def _curves(compared: Any, plots: Any, edges: list[tuple[int, int]]) -> Curves:
-    squares, dimension = channels.squared(compared), compared.error.shape[1]
+    squares, dimension = comparison.squared(compared), compared.error.shape[1]
     spread = np.einsum("kiin->kn", compared.cov)
-    measured = np.full(squares.shape, np.nan) if plots is None else channels.squared(plots)
+    measured = np.full(squares.shape, np.nan) if plots is None else comparison.squared(plots)
     seen = np.isfinite(measured)
     share = pooled(seen, edges)
     raw = np.where(share > 0, np.sqrt(pooled(np.where(seen, measured, 0.0), edges) / share), np.nan)
@@ -157,7 +158,7 @@ def _curves(compared: Any, plots: Any, edges: list[tuple[int, int]]) -> Curves:
     (p95,) = _percentiles(squares, edges, (95.0,))
     looked = seen.any(axis=1) if seen.any() else np.ones(len(squares), bool)
     rmse, sigma = np.sqrt(pooled(squares, edges)), np.sqrt(pooled(spread, edges))
-    anees = pooled(channels.normalised(compared), edges) / dimension
+    anees = pooled(comparison.normalised(compared), edges) / dimension
     curves = (_finite(curve) for curve in (rmse, sigma, raw, low, high, np.sqrt(p95), anees))
     return Curves(*curves, squares[looked].mean(axis=0))
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.reporting.figures import style
 from sim.reporting.figures.plan_view import extent
 from sim.reporting.replay import ellipse, false_plots, place_of_plots

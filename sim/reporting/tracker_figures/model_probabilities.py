@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import phase_strip
 from sim.reporting.figures.histories import STRIP, TIME
@@ -82,7 +82,7 @@ def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any]) -> Any
             continue
         from matplotlib.ticker import FuncFormatter
 
-        from sim.metrics.comparison import truth_at
+        from sim.flight.interpolation import truth_at
 
         sensor_name, _, channel = record.channels[row].partition(".")
         sensor = scenario.sensors[sensor_name]

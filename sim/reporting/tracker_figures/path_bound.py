@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.estimation.prior import PRIOR_POSITION, PRIOR_RATE
-from sim.flight.loop import Flight
-from sim.metrics.comparison import truth_at
+from sim.flight.interpolation import truth_at
+from sim.flight.record import Flight
 
 MOST = 1500  # epochs; of more, every n-th counts n times
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.loop import Flight
+from sim.flight.record import Flight
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import phase_strip
 from sim.reporting.figures.histories import STRIP, TIME
@@ -201,7 +201,7 @@ def containment(flight: Flight, scenario: Any, followed: list[Followed]) -> tupl
     shown = [one for one in followed if "cross_track_m" in one.curves]
     if radar is None or not shown:
         return None
-    from sim.metrics.comparison import truth_at
+    from sim.flight.interpolation import truth_at
 
     figure, (strip, axes) = style.panels(STRIP, 2.1, top=LEGEND)
     phase_strip(strip, flight)

@@ -13,11 +13,11 @@ from sim.errors import ScenarioError
 from sim.estimation.navigator import navigator
 from sim.estimation.setup import build, check
 from sim.estimation.tracking_run import track
-from sim.experiment import measurement_arrays
 from sim.flight.preparation import prepare
 from sim.observation.record import SensorRecord, observe
 from sim.observation.sensors.precision_radar import REACH, PrecisionRadar
 from sim.reporting.replay import false_plots
+from sim.reporting.run_files import measurement_arrays
 from sim.scenario.reading import read
 from sim.scenario.tables import Runway
 from tracking.association import clutter_density

@@ -12,16 +12,18 @@ import pytest
 from aircraft.state import AircraftState
 from sim.errors import ScenarioError
 from sim.estimation import prior as components
-from sim.estimation.look_ahead import LookAhead, narrowed
+from sim.estimation.look_ahead import LookAhead
 from sim.estimation.navigator import navigator
 from sim.estimation.setup import build, check
 from sim.estimation.tracking_run import begins, track
 from sim.experiment import fly
+from sim.flight.interpolation import truth_at
 from sim.flight.preparation import prepare
-from sim.metrics import comparison as channels
+from sim.metrics import comparison
 from sim.observation.record import measurements, observe
 from sim.scenario.reading import read
 from tracking.track import follow
+from tracking.tree import narrowed
 
 LEGS = [
     {"from_m": [0, 0], "to_m": [9000, 0], "speed_mps": 90, "height_m": 800},
@@ -118,11 +120,11 @@ def test_perfect_estimates_have_no_error_in_any_channel(flown):
     prepared, flight, _ = flown
     sensors = {name: prepared.scenario.sensors[name] for name in RADARS}
     time = np.linspace(5.0, 100.0, 40)
-    truth = channels.truth_at(flight, time)
+    truth = truth_at(flight, time)
     mean = np.stack((truth.position[0], truth.velocity[0], truth.position[1], truth.velocity[1]), axis=1)[..., None]
     cov = np.broadcast_to(np.eye(4)[None, ..., None], (40, 4, 4, 1))
     names = ("north", "north_rate", "east", "east_rate")
-    errors = channels.compare(flight, truth, names, mean, cov, sensors)
+    errors = comparison.compare(flight, truth, names, mean, cov, sensors)
     assert {"position_m", "cross_track_m", "radar.azimuth_deg", "approach.azimuth_deg"} == set(errors)
     for name, compared in errors.items():
         assert np.abs(compared.error).max() < 1e-9, name  # rounding of metres and degrees
@@ -131,21 +133,21 @@ def test_perfect_estimates_have_no_error_in_any_channel(flown):
 def test_an_error_across_the_leg_is_cross_track_to_the_right(flown):
     _, flight, _ = flown
     time = np.array([20.0, flight.time[flight.leg == 1][300]])  # northwards, then eastwards
-    truth = channels.truth_at(flight, time)
+    truth = truth_at(flight, time)
     assert truth.leg.tolist() == [0, 1]
     mean = np.stack((truth.position[0] + 3.0, np.zeros(2), truth.position[1] + 5.0, np.zeros(2)), axis=1)[..., None]
     cov = np.broadcast_to(np.diag((4.0, 1.0, 9.0, 1.0))[None, ..., None], (2, 4, 4, 1))
-    errors = channels.compare(flight, truth, ("north", "north_rate", "east", "east_rate"), mean, cov, {})
+    errors = comparison.compare(flight, truth, ("north", "north_rate", "east", "east_rate"), mean, cov, {})
     assert errors["cross_track_m"].error[:, 0, 0] == pytest.approx([5.0, -3.0])  # right of east is south
     assert errors["cross_track_m"].cov[:, 0, 0, 0] == pytest.approx([9.0, 4.0])
-    assert channels.normalised(errors["position_m"])[0, 0] == pytest.approx(9 / 4 + 25 / 9)
+    assert comparison.normalised(errors["position_m"])[0, 0] == pytest.approx(9 / 4 + 25 / 9)
 
 
 def test_rates_of_angles_are_their_derivatives(flown):
     prepared, flight, _ = flown
     sensor = prepared.scenario.sensors["approach"]
     time = np.array([50.0])
-    truth = channels.truth_at(flight, time)
+    truth = truth_at(flight, time)
     north, east = truth.position[0] - sensor.antenna[0], truth.position[1] - sensor.antenna[1]
     rate = (north * truth.velocity[1] - east * truth.velocity[0]) / (north**2 + east**2)
     found = components.true_values(flight, prepared.scenario.sensors, "approach.azimuth_rate", time)
@@ -236,7 +238,7 @@ def test_looking_ahead_is_the_tracker_s_own_prediction(flown, tracked):
     squares = []
     for instant in instants:
         mean = one.mean[np.flatnonzero(one.time == instant)[0]]
-        truth = channels.truth_at(flight, np.array([instant + 20.0]))
+        truth = truth_at(flight, np.array([instant + 20.0]))
         error = mean[[0, 2]] + 20.0 * mean[[1, 3]] - truth.position[:2]
         squares.append((error**2).sum(axis=0))
     expected = np.sqrt(np.mean(squares))

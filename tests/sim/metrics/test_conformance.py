@@ -13,8 +13,9 @@ from sim.cli.explain import explain
 from sim.errors import ScenarioError
 from sim.estimation.setup import build
 from sim.flight.preparation import prepare
-from sim.metrics.conformance import CONFORMANCE, ConformanceTest, figures, told_in_words
+from sim.metrics.conformance import figures, told_in_words
 from sim.scenario.reading import read
+from tracking.conformance import CONFORMANCE, ConformanceTest
 
 INTENTS = ("route law", "route law", "beacon law", "manual")
 

@@ -16,7 +16,7 @@ from sim.cli.explain import explain
 from sim.errors import ScenarioError
 from sim.flight.linear_model import scenario_loop
 from sim.flight.preparation import prepare
-from sim.metrics.oscillation import oscillation
+from sim.metrics.flight import oscillation
 from sim.scenario.axes import cells
 from sim.scenario.reading import read
 from sim.studies import theory as study_theory

@@ -15,7 +15,7 @@ import pytest
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, Route, pattern_route
-from sim.flight.loop import Event
+from sim.flight.record import Event
 from sim.metrics.checks import judge
 from sim.metrics.flight import flight_metrics
 from sim.reporting.figures import style

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.flight.loop import Event
+from sim.flight.record import Event
 from sim.reporting.figures.thinning import peaks, runs
 from sim.reporting.text.labels import column, decimals, duration, number, split
 from sim.reporting.text.outcome_sentence import what_happened

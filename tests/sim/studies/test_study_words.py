@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.cli.study_summary import study_summary
-from sim.metrics.check_words import broken, broken_in_study
-from sim.metrics.checks import judge
+from sim.cli.run_summary import study_summary
+from sim.metrics.checks import broken, broken_in_study, judge
 from sim.scenario.tables import Check, Runway, StudyCheck
 from sim.studies.metrics import every_flight, share_check
 

@@ -13,7 +13,7 @@ from sim.estimation.tracking_run import track
 from sim.experiment import fly
 from sim.flight.preparation import prepare
 from sim.observation.record import observe
-from sim.reporting.run_page import charts
+from sim.reporting.figures.flight import charts
 from sim.scenario.reading import read
 from sim.workers.helper_process import ALONE, second_process
 

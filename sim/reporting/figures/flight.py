@@ -1,0 +1,81 @@
+"""The figures of a flight, in the order of the page."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.flight.record import Flight
+from sim.reporting.figures import style
+from sim.reporting.figures.histories import airframe_history, bank_history, error_history, final_errors, speed_history
+from sim.reporting.figures.phase_portrait import phase_portrait
+from sim.reporting.figures.plan_view import plan_view
+from sim.reporting.figures.style import Chart
+from sim.reporting.figures.vertical_profile import touchdown_view, vertical_profile
+from sim.reporting.figures.weather import weather_charts
+
+
+def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
+    """All figures of a flight that has something to show in them."""
+    bank_limit = scenario.autopilot.bank_limit
+    drawn: list[Chart] = []
+
+    def add(title: str, figure: Any, caption: str) -> None:
+        drawn.append(Chart(title, style.data_uri(figure), caption))
+
+    with style.drawing(), np.errstate(invalid="ignore"):
+        add(
+            "Plan view",
+            plan_view(flight, scenario.runway, scenario.wind.steady, scenario.wind.events),
+            "Equal scales; turned so that the final course runs to the right, north as the arrow shows. The runway's "
+            "length is drawn, not modelled.",
+        )
+        add("Vertical profile", vertical_profile(flight, scenario.runway), "Heights are exaggerated against distances.")
+        touchdown = touchdown_view(flight, scenario.runway)
+        if touchdown is not None:
+            add(
+                "Flare and touchdown",
+                touchdown,
+                "Height of the aircraft's reference point; it stays above the ground when the wheels touch.",
+            )
+        add(
+            "Bank and its limits",
+            bank_history(flight, law, bank_limit),
+            "Shaded: the command stands at the bank limit. Bars below: when the command, and when each input of the "
+            "law as flown, was at or beyond its limit.",
+        )
+        add(
+            "Phase portrait of the law",
+            phase_portrait(flight, law),
+            "Coloured line: the flown deviations, by phase, each leg begun at a circle. Shaded: the law asks for its "
+            "bank limit. Between the dotted lines an input is passed on as it is, beyond them it is cut off; where "
+            "the first input is cut off, the law settles on the line of wings level: the intercept.",
+        )
+        add(
+            "Speed and configuration",
+            speed_history(flight),
+            "True airspeed against its schedule; flaps and gear as they moved.",
+        )
+        airframe = airframe_history(flight)
+        if airframe is not None:
+            add(
+                "Airframe",
+                airframe,
+                "Attitude, path and controls of the six-degree-of-freedom aircraft.",
+            )
+        add(
+            "Deviations",
+            error_history(flight, scenario.runway),
+            "Cross-track from the leg then active; height from the height of the leg, on the glide path from the path.",
+        )
+        for title, figure, caption in weather_charts(flight, scenario):
+            add(title, figure, caption)
+        last = final_errors(flight, scenario.runway)
+        if last is not None:
+            add(
+                last[0],
+                last[1],
+                "The last stretch enlarged; the aircraft flies to the right. Scaled to what follows the capture.",
+            )
+    return drawn

@@ -1,0 +1,85 @@
+"""The arrays of a run as its files hold them: every name carries its unit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim.flight.record import Flight
+from sim.observation.record import SensorRecord
+
+
+def flight_arrays(flight: Flight) -> dict[str, np.ndarray]:
+    """The record of a flight by names that carry their unit."""
+    state = {_with_unit(name): getattr(flight.state, name) for name in flight.state._fields}
+    command = {f"command_{_with_unit(name)}": getattr(flight.command, name) for name in flight.command._fields}
+    deviation = flight.deviation
+    return {
+        **state,
+        **command,
+        "cross_track_m": deviation.cross_track,
+        "cross_track_rate_mps": deviation.cross_track_rate,
+        "distance_to_go_m": deviation.distance_to_go,
+        "leg": flight.leg,
+        "phase": flight.phase,
+        "phases": np.array(flight.phases),
+    }
+
+
+SUFFIX_OF = {
+    "s": ("time",),
+    "m": ("north", "east", "height"),
+    "mps": ("velocity_north", "velocity_east", "velocity_up", "airspeed"),
+    "rad": ("bank", "pitch", "heading", "angle_of_attack", "sideslip", "flaps", "flight_path_angle"),
+    "radps": ("roll_rate", "pitch_rate", "yaw_rate"),
+    "mps2": ("specific_force_forward", "specific_force_right", "specific_force_down"),
+}
+
+
+def _with_unit(name: str) -> str:
+    return next((f"{name}_{suffix}" for suffix, names in SUFFIX_OF.items() if name in names), name)
+
+
+def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray]:
+    """The looks of all sensors: ``SENSOR.z`` in SI and radians with its channels beside it."""
+    arrays: dict[str, np.ndarray] = {}
+    for name, record in records.items():
+        arrays[f"{name}.time_s"] = record.time
+        arrays[f"{name}.arrival_s"] = record.arrival
+        arrays[f"{name}.channels"] = np.array(record.channels)
+        arrays[f"{name}.z"] = record.z
+        # sensors' errors are independent: R is diagonal
+        R = record.R if record.R.ndim == 4 else record.R[..., None]
+        arrays[f"{name}.sigma"] = np.sqrt(np.einsum("kiin->kin", R))
+        if record.candidates is not None:
+            arrays |= {f"{name}.plots.{column}": values for column, values in plot_columns(record).items()}
+    return arrays
+
+
+def plot_columns(record: SensorRecord) -> dict[str, np.ndarray]:
+    """All plots of a sensor with clutter, one row each: when, in which draw, whether the target's own, and where."""
+    plots = np.moveaxis(record.candidates, 2, -1)  # (k, c, draws, m)
+    epoch, plot, draw = np.nonzero(np.isfinite(plots).all(axis=-1))
+    places = plots[epoch, plot, draw].T
+    return {
+        "time_s": record.time[epoch],
+        "arrival_s": record.arrival[epoch],
+        "draw": draw,
+        "target": (plot == 0).astype(int),
+        **{with_unit(channel): values for channel, values in zip(record.channels, places, strict=True)},
+    }
+
+
+ANGLES = ("azimuth", "elevation", "bearing", "course", "bank", "heading", "turn", "path_angle")  # others are lengths
+
+
+PER_TIME = {"_rate": "ps", "_speed": "ps", "_acceleration": "ps2"}  # how a channel's name ends -> how its unit does
+
+
+def with_unit(channel: str) -> str:
+    """The channel, or its standard deviation, with the SI suffix of its quantity."""
+    plain = channel.removesuffix("_sigma")
+    if "load_factor" in plain:
+        return channel
+    quantity = "rad" if any(angle in plain for angle in ANGLES) else "m"
+    per_time = next((suffix for ending, suffix in PER_TIME.items() if plain.endswith(ending)), "")
+    return f"{channel}_{quantity}{per_time}"

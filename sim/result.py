@@ -1,0 +1,39 @@
+"""What a run found out."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from sim.estimation.tracking_run import Tracked
+from sim.flight.preparation import Prepared
+from sim.flight.record import Flight
+from sim.observation.record import SensorRecord
+from sim.scenario.model import Scenario
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run found out."""
+
+    prepared: Prepared
+    flights: tuple[Flight, ...]
+    records: dict[str, SensorRecord]  # of flight 0
+    tracks: dict[str, Tracked]  # of flight 0
+    metrics: dict[str, Any]
+    timing: dict[str, float]
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario that was run."""
+        return self.prepared.scenario
+
+    @property
+    def flight(self) -> Flight:
+        """Flight 0, which figures and trackers are about."""
+        return self.flights[0]
+
+
+def _lap(timing: dict[str, float], name: str, since: float) -> None:
+    timing[name] = time.perf_counter() - since

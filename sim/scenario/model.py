@@ -1,0 +1,57 @@
+"""A validated scenario; values in SI."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from sim.scenario.tables import (
+    AircraftChoice,
+    AutopilotTable,
+    Check,
+    Departure,
+    LegsTable,
+    PatternTable,
+    Runway,
+    Start,
+    StudyTable,
+    WindTable,
+)
+
+
+@dataclass(frozen=True)
+class TrackerChoice:
+    """One tracker of a scenario: its kind, what it listens to, who hands over, and the law it is told."""
+
+    kind: str
+    sensors: tuple[str, ...]
+    handover: str | None
+    table: dict[str, Any]  # its own parameters, validated, as spelled in the file
+    law: dict[str, float]  # absolute values in SI, or <field>_factor; empty = the law that flies
+    association: str | None = None  # how it finds the target's plot among false ones; None = there are none
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A validated experiment; values in SI."""
+
+    name: str
+    seed: int
+    flights: int
+    draws: int
+    until: float | None
+    runway: Runway
+    aircraft: AircraftChoice
+    start: Start
+    route: PatternTable | LegsTable
+    autopilot: AutopilotTable
+    mode: str  # kind of law, a file of autopilot/modes
+    law: dict[str, float]  # what the file sets of it, SI; the rest is designed
+    designed: dict[str, Any] | None  # gains as they travel to workers
+    wind: WindTable
+    sensors: dict[str, Any]
+    trackers: dict[str, TrackerChoice]
+    departures: tuple[Departure, ...]
+    checks: tuple[Check, ...]
+    study: StudyTable | None
+    tables: dict[str, Any] = field(repr=False)  # the resolved file

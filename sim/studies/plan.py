@@ -1,0 +1,150 @@
+"""What a study flies: its axes, every cell with its gains, the samples that all cells share."""
+
+from __future__ import annotations
+
+import functools
+import json
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from sim.errors import ScenarioError, did_you_mean
+from sim.flight.preparation import prepare
+from sim.metrics.checks import SCALARS
+from sim.scenario.axes import Axis, Listed, cells, samples
+from sim.scenario.model import Scenario
+from sim.scenario.reading import read
+from sim.scenario.tables import StudyCheck, StudyTable
+from sim.studies import folder as folders
+from sim.studies.job import with_values
+from sim.studies.metrics import fewest_flights
+from sim.studies.theory import THEORIES
+
+LARGEST_STUDY = 100_000  # flights
+
+
+UNDESIGNED = ("name", "seed", "flights", "draws", "until_s", "start", "wind", "sensors", "trackers", "checks")
+
+
+@dataclass(frozen=True)
+class Study:
+    """Everything that is to be flown: all axes, every cell's resolved tables, the samples that all cells share."""
+
+    scenario: Scenario
+    table: StudyTable
+    axes: tuple[Axis, ...]
+    cells: tuple[dict[str, Any], ...]  # chosen values
+    samples: tuple[dict[str, float], ...]  # drawn values
+
+    @property
+    def flights(self) -> int:
+        """Number of flights."""
+        return len(self.cells) * len(self.samples) * self.scenario.flights
+
+    def numbers(self) -> Iterator[tuple[int, int, int]]:
+        """(cell, sample, flight) of every flight, in order; a flight's number is the same in every cell."""
+        each = self.scenario.flights
+        for cell in range(len(self.cells)):
+            for sample in range(len(self.samples)):
+                for repeat in range(each):
+                    yield cell, sample, sample * each + repeat
+
+
+def plan(scenario: Scenario) -> Study:
+    """What a study flies; raises ``ScenarioError`` for axes and checks that no flight has, before anything is flown."""
+    table = scenario.study
+    if table is None:
+        raise ScenarioError(f"{scenario.name}: has no [study.axes]; say what is to be varied, or use 'run'")
+    axes = table.varied
+    faults = _faults(scenario, table, axes)
+    if faults:
+        raise ScenarioError("\n".join(f"{scenario.name}: {fault}" for fault in faults))
+    planned = Study(scenario, table, axes, cells(axes), samples(axes, table.samples, scenario.seed))
+    _refuse_too_few(planned)
+    return planned
+
+
+def _faults(scenario: Scenario, table: StudyTable, axes: tuple[Axis, ...]) -> list[str]:
+    size = scenario.flights * table.samples
+    for one in axes:
+        size *= len(one.values) if isinstance(one, Listed) else 1
+    if size > LARGEST_STUDY:
+        return [f"[study] {size} flights are more than the budget of {LARGEST_STUDY}; take fewer values or samples"]
+    faults = []
+    for one in axes:
+        for value in one.values if isinstance(one, Listed) else (one.first,):
+            try:
+                read(with_values(_flown_tables(scenario), {one.address: value}))
+            except ScenarioError as error:
+                faults += [f'[study] axes "{one.address}": {_said(line)}' for line in str(error).splitlines()]
+                break
+    if table.theory is not None:
+        theory, chosen = THEORIES[table.theory], [one.address for one in axes if isinstance(one, Listed)]
+        if chosen[:2] != [theory.x, theory.y]:
+            faults.append(
+                f'[study] theory "{table.theory}" is about the axes "{theory.x}" and "{theory.y}", in this order'
+            )
+    for one in table.checks:
+        if one.metric not in SCALARS and not one.metric.startswith("trackers."):
+            faults.append(f"[[study.checks]] no metric '{one.metric}'; {did_you_mean(one.metric, SCALARS)}")
+    return faults
+
+
+def _said(line: str) -> str:
+    """A fault without the name of the file that nobody wrote."""
+    return line.removeprefix("scenario: ").removeprefix("--set ")
+
+
+def _refuse_too_few(planned: Study) -> None:
+    for one in planned.table.checks:
+        needed = fewest_flights(one.share, one.confidence)
+        if planned.flights < needed:
+            raise ScenarioError(
+                f"{planned.scenario.name}: [[study.checks]] '{_name(one)}': {100 * one.share:g} % with "
+                f"{100 * one.confidence:g} % confidence needs at least {needed} flights, "
+                f"the study has {planned.flights}"
+            )
+
+
+def _name(check: StudyCheck) -> str:
+    return check.name or check.metric
+
+
+def _flown_tables(scenario: Scenario) -> dict[str, Any]:
+    """The resolved tables of one flight."""
+    return {key: value for key, value in scenario.tables.items() if key != "study" and value is not None}
+
+
+def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
+    """The tables of every cell with its gains, designed once for all cells that share a design."""
+    base = _flown_tables(planned.scenario)
+    design = functools.cache(_designed)
+    found = []
+    for values in planned.cells:
+        tables = with_values(base, values)
+        if "designed" not in tables:
+            kept = {name: value for name, value in tables.items() if name not in UNDESIGNED}
+            quickness = {"autopilot": {k: v for k, v in kept.get("autopilot", {}).items() if k != "frequency_share"}}
+            key = json.dumps({**kept, **quickness})  # how quick the law is changes no gain of the inner loops
+            try:
+                tables = {**tables, "designed": design(key)}
+            except ScenarioError as error:
+                where = ", ".join(f"{address} = {value}" for address, value in values.items())
+                raise ScenarioError(f"{planned.scenario.name}: with {where or 'these values'}: {error}") from None
+        found.append(tables)
+    return tuple(found)
+
+
+def _designed(text: str) -> dict[str, Any]:
+    tables = json.loads(text)
+    truth = {"autopilot": {**tables["autopilot"], "navigation": "truth"}}  # gains do not depend on who navigates
+    return prepare(read({"name": "design", **tables, **truth})).designed.to_table()
+
+
+def read_text(text: str) -> Scenario:
+    """The scenario of a resolved file, so that a study and its resumption start from the same bytes."""
+    try:
+        return read(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{folders.SCENARIO}: not TOML: {error}") from None

@@ -1,0 +1,82 @@
+"""tracking.conformance"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tracking.track import Track
+
+UNLIKELY = 1e-300  # so little is left of a hypothesis that a look rules out
+
+
+class Watched(NamedTuple):
+    """What the test says at each of k epochs, for each noise draw."""
+
+    time: np.ndarray  # (k,) s
+    told: str  # the intent that the tracker is told
+    belief: dict[str, np.ndarray]  # (k, draws) probability of each intent
+    sum: np.ndarray  # (k, draws) of log likelihood ratios against the told law, never below zero
+    limit: float
+
+    @property
+    def alarm(self) -> np.ndarray:
+        """(k, draws) bool."""
+        return np.asarray(self.sum > self.limit)
+
+
+@dataclass(frozen=True)
+class ConformanceTest:
+    """Page's test for a change from the told law to anything else [beyond the papers]."""
+
+    looks_between_false_alarms: float = 1000.0  # at least, on average
+
+    def __post_init__(self) -> None:
+        if not self.looks_between_false_alarms > 1.0:
+            raise ValueError(f"looks_between_false_alarms must be above 1, not {self.looks_between_false_alarms}")
+
+    @property
+    def limit(self) -> float:
+        """Of the sum."""
+        return math.log(self.looks_between_false_alarms)
+
+    def step(self, total: Any, evidence: Any, belief: Any) -> Any:
+        """The sum after one look more, after which the told law has the probability ``belief``.
+
+        A lost draw follows nothing that is known.
+        """
+        following = np.maximum(total + np.nan_to_num(evidence, nan=self.limit), 0.0)
+        return np.where((total > self.limit) & (belief > 0.5), 0.0, following)
+
+    def watch(self, tracker: Any, track: Track) -> Watched | None:
+        """The test along the record of a tracker; None for one that has no intents."""
+        names: tuple[str, ...] = getattr(tracker, "intents", ())
+        if not names or track.model_probabilities is None:
+            return None
+        after = np.asarray(track.model_probabilities)
+        before = np.full_like(after, 1.0 / len(names))
+        steps = np.diff(track.time)[:, None, None]
+        before[1:] = tracker.switched(after[:-1], steps)
+        told = np.array([name == names[0] for name in names])
+        with np.errstate(invalid="ignore"):  # a lost draw is a result
+            evidence = _log_odds(after, told) - _log_odds(before, told)
+        belief = {
+            name: after[:, np.array([other == name for other in names])].sum(axis=1) for name in dict.fromkeys(names)
+        }
+        sums = np.empty_like(evidence)
+        total: Any = 0.0
+        for row, look in enumerate(evidence):
+            total = sums[row] = self.step(total, look, belief[names[0]][row])
+        return Watched(track.time, names[0], belief, sums, self.limit)
+
+
+CONFORMANCE = ConformanceTest()
+
+
+def _log_odds(weights: np.ndarray, told: np.ndarray) -> np.ndarray:
+    """Logarithm of the odds (k, draws) against the told law."""
+    against, by = weights[:, ~told].sum(axis=1), weights[:, told].sum(axis=1)
+    return np.asarray(np.log(np.maximum(against, UNLIKELY)) - np.log(np.maximum(by, UNLIKELY)))
