@@ -6,7 +6,7 @@ import math
 import tomllib
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, TypeVar, get_type_hints
 
 from aircraft.errors import ModelError
 from aircraft.landing_gear import height_of_wheels, wheel_track
@@ -98,7 +98,10 @@ def describe(source: Model, model: str | Path) -> AircraftData:
         raise ModelError(f"'{path.name}' has a value where a table or a list belongs, or the other way round") from None
 
 
-def _build(kind: type, table: dict[str, Any], path: Path, **ready: Any) -> Any:
+Built = TypeVar("Built", FlapSetting, AircraftData)
+
+
+def _build(kind: type[Built], table: dict[str, Any], path: Path, **ready: Any) -> Built:
     """Construct ``kind`` from suffixed keys."""
     hints = get_type_hints(kind, include_extras=True)
     keys: dict[str, tuple[str, float]] = {}

@@ -21,7 +21,8 @@ def downwash_slope(aspect_ratio: float, taper: float, tail_arm: float, tail_heig
     of_aspect_ratio = 1.0 / aspect_ratio - 1.0 / (1.0 + aspect_ratio**1.7)
     of_taper = (10.0 - 3.0 * taper) / 7.0
     of_place = (1.0 - tail_height / span) / (2.0 * tail_arm / span) ** (1.0 / 3.0)
-    return 4.44 * (of_aspect_ratio * of_taper * of_place) ** 1.19
+    slope: float = 4.44 * (of_aspect_ratio * of_taper * of_place) ** 1.19
+    return slope
 
 
 def flap_effectiveness(chord_share: float, viscous_efficiency: float = 0.75) -> float:
@@ -48,7 +49,8 @@ def ground_effect_on_lift(height_over_span: float, aspect_ratio: float) -> float
 
 def flap_profile_drag(chord_share: float, area_share: float, deflection: float) -> float:
     """Profile drag of slotted flaps [Young 1953, as in McCormick eq. (3.50)]."""
-    return 0.9 * chord_share**1.38 * area_share * math.sin(deflection) ** 2
+    drag: float = 0.9 * chord_share**1.38 * area_share * math.sin(deflection) ** 2
+    return drag
 
 
 def fuselage_pitch_stiffness(width: float, length: float, chord: float, area: float) -> float:

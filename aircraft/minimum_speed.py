@@ -98,4 +98,5 @@ def _height_feedback(airframe: Airframe, point: Trim) -> np.ndarray:
     states, inputs = LONGITUDINAL[1:], ("elevator",)
     matrix, column = linearise(airframe, point).part(states, inputs)
     weights = np.diag([0.0, 0.0, math.radians(2.0) ** -2, 2.0**-2])
-    return (column.T @ solve_continuous_are(matrix, column, weights, np.eye(1)))[0]
+    gain: np.ndarray = (column.T @ solve_continuous_are(matrix, column, weights, np.eye(1)))[0]
+    return gain

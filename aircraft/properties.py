@@ -100,9 +100,11 @@ def node(manager: Any, name: str) -> Any:
 
 def getter(manager: Any, wanted: Property) -> Callable[[], float]:
     """Bound reader in JSBSim's own unit."""
-    return node(manager, wanted.name).get_double_value
+    read: Callable[[], float] = node(manager, wanted.name).get_double_value
+    return read
 
 
 def setter(manager: Any, wanted: Property) -> Callable[[float], bool]:
     """Bound writer in JSBSim's own unit."""
-    return node(manager, wanted.name).set_double_value
+    write: Callable[[float], bool] = node(manager, wanted.name).set_double_value
+    return write

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -41,7 +40,8 @@ class Rows:
             drawn = [g.random(shape) if self.uniform else g.standard_normal(shape) for g in self.generators]
             self._block, self._used = np.stack(drawn, axis=-1), 0
         self._used += 1
-        return self._block[self._used - 1]
+        row: np.ndarray = self._block[self._used - 1]
+        return row
 
 
 @dataclass(frozen=True)
@@ -65,5 +65,5 @@ class Streams:
         """The single generator of draw 0, for what a flight has once (turbulence, wind, start)."""
         return stream(self.seed, self.flight, 0, f"{self.owner}.{kind}")
 
-    def _generators(self, kind: str) -> list[Any]:
+    def _generators(self, kind: str) -> list[np.random.Generator]:
         return [stream(self.seed, self.flight, draw, f"{self.owner}.{kind}") for draw in range(self.draws)]

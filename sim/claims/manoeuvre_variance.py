@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 from sim.claims.ledger import Claim, Reading, counted
 from sim.claims.verdict import number
@@ -31,7 +32,7 @@ def noise_claim(name: str, words: str, where: str, printed: str, distance: float
         where,
         number(printed),
         tuple(
-            Reading(text, counted(lambda across=across: angular_variance(distance, height, across)))
+            Reading(text, counted(partial(angular_variance, distance, height, across)))
             for text, across in (("acceleration along the distance", False), ("acceleration vertical", True))
         ),
         "(deg/s^2)^2",

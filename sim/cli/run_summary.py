@@ -30,17 +30,17 @@ def summary(metrics: dict[str, Any]) -> str:
         if channel in SHOWN or not SHOWN & set(tracker["overall"])
     ]
     if rows:
-        header = ("tracker", "channel", "rmse", "raw", "gain")
+        header = ["tracker", "channel", "rmse", "raw", "gain"]
         lines += ["", *table([header, *([*row[:2], *map(_number, row[2:])] for row in rows)], 2)]
     twin = beside(flight)
     if twin:
-        header = ("beside the same approach", "on the estimate", "on the truth")
+        header = ["beside the same approach", "on the estimate", "on the truth"]
         lines += ["", *table([header, *([name, *map(_number, values)] for name, *values in twin)], 1)]
     alerts = {name: tracker.get("conformance") for name, tracker in metrics["trackers"].items()}
     if any(alerts.values()):
         lines += ["", *(told_in_words(name, found) for name, found in alerts.items() if found)]
     if metrics["checks"]:
-        header = ("check", "value", "limit", "margin", "")
+        header = ["check", "value", "limit", "margin", ""]
         shown = [
             [check["name"], *(_number(check[key]) for key in ("value", "limit", "margin")), _verdict(check)]
             for check in metrics["checks"]

@@ -193,7 +193,7 @@ def _sections(scenario: Any, metrics: dict[str, Any], x: str, y: str, shown: Seq
         for i, value in enumerate(chosen):
             rows = [row for row in _first_of_the_rest(metrics, (x, y)) if row[y] == value]
             flown = [(figure_of(row, name) or {}).get("p50", np.nan) for row in rows]
-            theirs = [np.nan if one[name] is None else one[name] for one in predicted[value]]
+            theirs = [np.nan if (one := at[name]) is None else one for at in predicted[value]]
             axes.plot([row[x] for row in rows], flown, "o", markersize=3.5, color=style.TRACKERS[i])
             axes.plot(fine, theirs, color=style.TRACKERS[i], label=f"{label(y)} = {value:g}")
         axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)

@@ -28,6 +28,7 @@ def state_of_motion(
     bank : (k, *B) rad; None = coordinated, no force to the side
     """
     shape = np.broadcast_shapes(np.shape(position[0]), np.shape(velocity[0]), np.shape(acceleration[0]))
+    place_north, place_east, height = (np.broadcast_to(component, shape) for component in position)
     north, east, up = (np.broadcast_to(component, shape) for component in velocity)
     a_north, a_east, a_up = (np.broadcast_to(component, shape) for component in acceleration)
     level = np.hypot(north, east)
@@ -45,7 +46,9 @@ def state_of_motion(
     nothing = np.broadcast_to(0.0, shape)
     return AircraftState(
         np.asarray(time),
-        *(np.broadcast_to(component, shape) for component in position),
+        place_north,
+        place_east,
+        height,
         north,
         east,
         up,

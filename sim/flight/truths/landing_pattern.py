@@ -10,7 +10,7 @@ import numpy as np
 
 from aircraft.point_mass import PointMass
 from aircraft.state import AircraftState
-from autopilot.approach import Landing
+from autopilot.landing import Landing
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, PathDeviation, Route
 from sim.flight.record import RECORD_STEP, Flight
@@ -130,7 +130,8 @@ class LandingPattern:
         course, legs = route.legs[0].course, 0 if runs is None else np.zeros(runs, int)
         body = mass.begin(*route.legs[0].start, self.height, course, self.entry_speed)
         if runs is not None:
-            body = mass.begin(*(np.full(runs, value) for value in body[1:4]), course, self.entry_speed)
+            north, east, height = (np.full(runs, value) for value in body[1:4])
+            body = mass.begin(north, east, height, course, self.entry_speed)
         longest = 2.0 * (self.entry + self.distance) / self.approach_speed
         loop = Closed(mass, route, law, self.bank_limit, plan, PHASES, longest)
         shape = () if runs is None else (runs,)

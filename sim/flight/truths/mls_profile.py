@@ -12,6 +12,8 @@ from autopilot.route import Leg, Route
 from sim.flight.record import RECORD_STEP, Flight
 from sim.flight.truths._motion import prescribed_flight, state_of_motion
 
+Motion = tuple[Any, Any, Any, Any, Any, Any]  # along and up: place, rate, acceleration, each (k,) or one for all
+
 
 @dataclass(frozen=True)
 class MlsProfile:
@@ -56,16 +58,16 @@ class MlsProfile:
         phase = np.searchsorted([level_time, level_time + glide_time], time, side="right")
 
         flown, speed = _decelerated(time, self.start_speed, braking)
-        level = (flown - self.level_distance, speed, -braking, 0.0 * time + self.level_height, 0.0 * time, 0.0)
+        level: Motion = (flown - self.level_distance, speed, -braking, 0.0 * time + self.level_height, 0.0 * time, 0.0)
         flown, speed = _decelerated(time - level_time, self.glide_speed, gliding)
         forward, down = run / glide_length, -descent / glide_length
-        glide = (
+        glide: Motion = (
             forward * flown - self.glide_distance, forward * speed, -forward * gliding,
             self.level_height + down * flown, down * speed, -down * gliding,
         )  # fmt: skip
         since = time - level_time - glide_time
         bend = slope * across / flare_time  # m/s2, upwards
-        flare = (
+        flare: Motion = (
             across * since - self.decision_distance, 0.0 * time + across, 0.0,
             self.decision_height - slope * across * since + 0.5 * bend * since**2, -slope * across + bend * since, bend,
         )  # fmt: skip

@@ -64,24 +64,24 @@ class RouteCapture:
         generator : of the random acceleration, across the line or, in the course motion, on both axes; None = none
         runs : flown side by side, as a last axis of the record; None = as many as the start has, one without that axis
         """
-        start = np.broadcast_arrays(np.asarray(self.cross_track, float), np.asarray(self.cross_track_rate, float))
+        start, rate = np.broadcast_arrays(np.asarray(self.cross_track, float), np.asarray(self.cross_track_rate, float))
         if runs is not None:
-            start = [np.broadcast_to(value, (runs,)) for value in start]
+            start, rate = np.broadcast_to(start, (runs,)), np.broadcast_to(rate, (runs,))
         route = Route((Leg((0.0, 0.0), (2.0 * self.speed * self.duration, 0.0), self.speed, self.height),))
         if self.motion == "double_integrator":
-            return self._integrated(route, *start, generator, step)
+            return self._integrated(route, start, rate, generator, step)
         rows = math.floor(self.duration / step + 1e-9)
 
         def plan(state: AircraftState, leg: Any, deviation: PathDeviation, phase: Any) -> Plan:
             return Plan(self.speed, self.height, 0.0, phase, state.time > (rows - 0.5) * step)
 
         mass = PointMass(roll_lag=self.roll_lag, roll_rate_limit=self.roll_rate_limit)
-        cross_track, rate = start if start[0].ndim else map(float, start)
-        body = mass.begin(0.0, cross_track, self.height, np.arcsin(rate / self.speed), self.speed)
+        beside, sideways = (start, rate) if start.ndim else (float(start), float(rate))
+        body = mass.begin(0.0, beside, self.height, np.arcsin(sideways / self.speed), self.speed)
         air = None
         if generator is not None:
             sigma = math.sqrt(self.acceleration_density / step)  # white, as far as a step can tell
-            air = wandering_air(generator, sigma, step, step, self.duration + step, start[0].shape)
+            air = wandering_air(generator, sigma, step, step, self.duration + step, start.shape)
         loop = Closed(mass, route, self._bank, 0.0, plan, ("capture",), self.duration + step)
         return fly_closed(loop, body, 0, step, air, "flown for the time asked")
 

@@ -12,7 +12,11 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 WIDTH = 7.2  # in, of every figure: the text width of an A4 page
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.68, 0.12, 0.10, 0.40, 0.10  # in, so that the time axes of all figures agree
@@ -39,7 +43,7 @@ PHASE_COLOURS = {
     "go_around": VERMILION,
 }
 
-_STYLE = {
+_STYLE: dict[Any, object] = {  # by the keys of matplotlib, which not all of its versions type
     "font.family": "sans-serif",
     "font.size": 8.0,
     "axes.labelsize": 8.0,
@@ -132,12 +136,13 @@ def drawing() -> Iterator[None]:
 
 def panels(
     *heights: float, share: bool = True, top: float = TOP, bottom: float = BOTTOM, gap: float = GAP
-) -> tuple[Any, list[Any]]:
+) -> tuple[Figure, list[Axes]]:
     """A figure of the page's width with axes of the given heights (in) below each other on one x axis."""
     from matplotlib.figure import Figure
 
     height = top + sum(heights) + gap * (len(heights) - 1) + bottom
-    figure, axes, edge = Figure((WIDTH, height)), [], height - top
+    figure, edge = Figure((WIDTH, height)), height - top
+    axes: list[Axes] = []
     for panel in heights:
         edge -= panel
         box = (LEFT / WIDTH, edge / height, (WIDTH - LEFT - RIGHT) / WIDTH, panel / height)
@@ -150,27 +155,28 @@ def panels(
     return figure, axes
 
 
-def grid(rows: int, columns: int, height: float, top: float = TOP) -> tuple[Any, list[Any]]:
+def grid(rows: int, columns: int, height: float, top: float = TOP) -> tuple[Figure, list[Axes]]:
     """A figure of small axes of one height (in) in rows and columns, all on the scales of the first."""
     from matplotlib.figure import Figure
 
     row = height + 0.22  # room for a title
     total = top + rows * row + BOTTOM
-    figure, axes = Figure((WIDTH, total)), []
+    figure = Figure((WIDTH, total))
+    axes: list[Axes] = []
     width = (WIDTH - LEFT - RIGHT - GAP * (columns - 1)) / columns
     for place in range(rows * columns):
         down, across = divmod(place, columns)
-        box = (LEFT + across * (width + GAP), total - top - (down + 1) * row, width, height)
-        lengths = (WIDTH, total, WIDTH, total)
+        left, bottom = LEFT + across * (width + GAP), total - top - (down + 1) * row
+        box = (left / WIDTH, bottom / total, width / WIDTH, height / total)
         first = axes[0] if axes else None
-        axes.append(figure.add_axes([a / b for a, b in zip(box, lengths, strict=True)], sharex=first, sharey=first))
+        axes.append(figure.add_axes(box, sharex=first, sharey=first))
         axes[-1].tick_params(labelleft=across == 0, labelbottom=down == rows - 1)
         axes[-1].yaxis.set_label_coords(-0.56 / width, 0.5)
         axes[-1].xaxis.set_label_coords(0.5, -0.28 / height)
     return figure, axes
 
 
-def data_uri(figure: Any) -> str:
+def data_uri(figure: Figure) -> str:
     """The figure as an SVG image that carries itself; the same figure gives the same bytes."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})

@@ -47,5 +47,5 @@ def where(mask: np.ndarray) -> list[tuple[int, int]]:
     width = -(-len(mask) // MOST)
     padded = np.zeros(width * MOST, bool)
     padded[: len(mask)] = mask
-    coarse = padded.reshape(MOST, width).any(axis=1)
+    coarse = np.asarray(padded.reshape(MOST, width).any(axis=1))
     return [(a * width, min(b * width, len(mask))) for a, b in runs(coarse) if coarse[a]]

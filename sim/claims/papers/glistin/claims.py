@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from sim.claims.ledger import Claim, Reading, flown_too
 from sim.claims.papers.glistin.experiment import (
     BIASED,
@@ -20,7 +22,7 @@ TURNS = [(flight, condition) for flight, condition in CASES if flight != "near p
 FLOWN_CASES = [(JSBSIM, condition) for condition in CONDITIONS]
 PARTS = {"turn": "turn", "before": "straight before", "behind": "straight behind", "all": "whole flight"}
 ORDER = above(1.0)
-OURS = "ours"
+OURS: Final = "ours"
 MOST = 800  # runs; the filters take a millisecond and a half for every scan
 TUNED = "Both filters tuned for each case, on another seed, until no neighbouring set of parameters is better."
 FLOWN = "One JSBSim turn onto final in 10 m/s of wind; runs are draws of noise."

@@ -24,7 +24,7 @@ from tracking.trackers.load_factor import DOWNLINK, LoadFactor
 DEGREE = math.pi / 180.0
 RADAR = ("range", "azimuth", "elevation")
 MEASURED = (*(f"radar.{name}" for name in RADAR), *(f"link.{name}" for name in DOWNLINK))
-FLIGHTS: dict[str, Any] = {"base turn": BaseTurn(), "S-turn": STurn(), "near pass": NearPass()}
+FLIGHTS: dict[str, BaseTurn | STurn | NearPass] = {"base turn": BaseTurn(), "S-turn": STurn(), "near pass": NearPass()}
 JSBSIM, SCENARIO = "turn onto final", "glistin_jsbsim"  # the flight, and who flies it
 CONDITIONS = {"0.7 s, 1 deg": (0.7, DEGREE), "0.5 s, 0.15 deg": (0.5, 0.15 * DEGREE)}  # scan, sigma of the azimuth
 COARSE, FINE = CONDITIONS
@@ -128,9 +128,9 @@ def errors(tracker: LoadFactor, data: Case, aided: bool) -> Any:
     return np.degrees(np.angle(np.exp(1j * found)))
 
 
-def built(kind: str, fields: dict[str, float]) -> LoadFactor:
+def built(kind: str, fields: dict[str, Any]) -> LoadFactor:
     """A filter with some of its parameters."""
-    formula = {} if kind == "kinematic" else {"azimuth_acceleration": kind}
+    formula: dict[str, Any] = {} if kind == "kinematic" else {"azimuth_acceleration": kind}
     return LoadFactor(MEASURED, 0.0, **formula, **fields)
 
 

@@ -152,7 +152,7 @@ def steady_over(scans: slice, truth: str = MODEL) -> Any:
 
 def percent(interval: Interval) -> Interval:
     """A share in per cent."""
-    return Interval(*(100.0 * end for end in interval[:3]), interval.runs)
+    return Interval(100.0 * interval.value, 100.0 * interval.low, 100.0 * interval.high, interval.runs)
 
 
 def doubted(what: str, truth: str = MODEL) -> Any:
@@ -169,7 +169,7 @@ def excess(variance: bool, truth: str = MODEL) -> Any:
 
     def measured(seed: int, runs: int) -> Interval:
         interval = ratio("two", "kalman", NO_ANOMALIES, variance=variance, truth=truth)(seed, runs)
-        return percent(Interval(*(end - 1.0 for end in interval[:3]), interval.runs))
+        return percent(Interval(interval.value - 1.0, interval.low - 1.0, interval.high - 1.0, interval.runs))
 
     return measured
 

@@ -60,8 +60,8 @@ def _claims() -> Iterator[Claim]:
         ("speed_shares", "speed", (20.0, 70.0), "kt", ("99.6", "100"), ("95.1", "99.4")),
         ("heading_shares", "heading", (10.0, 90.0), "deg", ("98.0", "99.9"), ("95.9", "99.8")),
     ):
-        for radars, where, figures in ((SEVERAL, "multi-radar", several), (SINGLE, "single radar", single)):
-            for turning, limit, printed in zip((False, True), limits, figures, strict=True):
+        for radars, where, both in ((SEVERAL, "multi-radar", several), (SINGLE, "single radar", single)):
+            for turning, limit, printed in zip((False, True), limits, both, strict=True):
                 part = "manoeuvres" if turning else "straights"
                 suffix = ("" if radars is SEVERAL else "_single") + ("_manoeuvre" if turning else "")
                 yield from rows_of(

@@ -151,8 +151,10 @@ def flown(seed: int, runs: int, radars: tuple[Radar, ...], tracker: str) -> Foun
         off = np.arctan2(mean[3], mean[1]) - np.arctan2(east_rate, north_rate)
         course.append(np.degrees(np.angle(np.exp(1j * off))))
     judged, turning = truth.judged[rows], truth.turning[rows]
-    errors = (np.array(values).reshape(*judged.shape, runs)[judged] for values in (position, velocity, course))
-    return Found(*errors, turning[judged])
+    off_place, off_speed, off_course = (
+        np.array(values).reshape(*judged.shape, runs)[judged] for values in (position, velocity, course)
+    )
+    return Found(off_place, off_speed, off_course, turning[judged])
 
 
 def error(quantity: str, statistic: str, radars: tuple[Radar, ...], tracker: str) -> Any:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
+from typing import Final
+
 from sim.claims.ledger import Claim, Reading, counted, flown_too
 from sim.claims.papers.vasylyev2003.experiment import (
     DELAYS,
@@ -19,7 +22,7 @@ from sim.claims.papers.vasylyev2003.experiment import (
     crossover,
     difference_flown,
     inverse,
-    largest_differences,
+    largest_difference,
     limits_over_none,
     linear_over_saturated,
     linear_over_saturated_flown,
@@ -32,7 +35,7 @@ from sim.claims.papers.vasylyev2003.experiment import (
 from sim.claims.verdict import above
 from tracking.intervals import rmse
 
-OURS = "ours"
+OURS: Final = "ours"
 GAINS = {"the gains of the model": GIVEN_GAINS, "gains of the aircraft": OWN_GAINS}
 FLOWN = "One JSBSim flight from 5 km beside the line; runs are draws of noise."
 CLAIMS: tuple[Claim, ...] = (
@@ -42,14 +45,11 @@ CLAIMS: tuple[Claim, ...] = (
             "with limits the captured trajectory differs greatly from the unlimited one",
             "fig. 3",
             above(1.0),
-            tuple(
-                Reading(f"from {start:.0f} m", counted(lambda start=start: largest_differences()[start]))
-                for start in FAR
-            ),
+            tuple(Reading(f"from {start:.0f} m", counted(partial(largest_difference, start))) for start in FAR),
             "sigmas",
             geometry_by=OURS,
         ),
-        tuple(Reading(text, counted(lambda name=name: difference_flown(name))) for text, name in GAINS.items()),
+        tuple(Reading(text, counted(partial(difference_flown, name))) for text, name in GAINS.items()),
         "Against the double integrator without limits: the bank that it asks for, 100 deg, no aircraft flies.",
     ),
     *flown_too(

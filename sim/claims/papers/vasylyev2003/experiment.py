@@ -215,6 +215,11 @@ def largest_differences() -> dict[float, float]:
     return dict(zip(starts.tolist(), (np.abs(paths[0] - paths[1]).max(axis=0) / SIGMA).tolist(), strict=True))
 
 
+def largest_difference(start: float) -> float:
+    """Of the captures from one of the starts."""
+    return largest_differences()[start]
+
+
 def difference_flown(scenario: str) -> float:
     """The same between the flight on JSBSim and its law without limits, which only the double integrator can fly."""
     flight = flown(scenario, ("start.cross_track_m", OUTSIDE))

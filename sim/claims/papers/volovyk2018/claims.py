@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from sim.claims.ledger import Claim, Reading, counted, flown_too
 from sim.claims.manoeuvre_variance import noise_claim
 from sim.claims.papers.volovyk2018.experiment import (
@@ -28,6 +30,13 @@ from tracking.trackers.elevation import interval_half_width
 
 WHOLE = slice(SETTLED, None)
 FLOWN = "The printed level leg flown by JSBSim's A-4; runs are draws of noise."
+
+
+def words_of_memory(variant: int, order: int) -> float:
+    """Of a realisation of the printed filter of this order, with gains of the whole leg where it stores them."""
+    return float(sum(memory(variant, order, 1, LEG)))
+
+
 CLAIMS: tuple[Claim, ...] = (
     Claim(
         "multiplications_saved",
@@ -271,7 +280,7 @@ CLAIMS: tuple[Claim, ...] = (
         "resources of the variants",
         None,
         tuple(
-            Reading(f"order {order}, {text}", counted(lambda o=order, v=variant: sum(memory(v, o, 1, LEG))))
+            Reading(f"order {order}, {text}", counted(partial(words_of_memory, variant, order)))
             for variant, text in ((1, "gain computed"), (4, "gains of the whole leg stored"))
             for order in (1, 2, 3)
         ),

@@ -235,7 +235,8 @@ def stored(case: Stored, chosen: slice) -> Any:
 
     def measured(seed: int, runs: int) -> Interval:
         found = gain(*((errors[chosen] ** 2).mean(axis=0) for errors in side_by_side(seed, runs, case)))
-        return Interval(*(round(end, 9) for end in found[:3]), runs)  # what rounding does is not worse
+        value, low, high = (round(end, 9) for end in (found.value, found.low, found.high))
+        return Interval(value, low, high, runs)  # what rounding does is not worse
 
     return measured
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from sim.claims.ledger import MOST_RUNS, Claim, Reading, flown_too
 from sim.claims.papers.volovyk2022.experiment import (
     DELAYS,
@@ -26,7 +28,7 @@ from sim.claims.papers.volovyk2022.experiment import (
 from sim.claims.papers.volovyk2022.landing_paths import ENTRIES, JSBSIM, JSBSIM_RIGHT, LEFT, RIGHT
 from sim.claims.verdict import above, at_most, between
 
-OURS = "ours"
+OURS: Final = "ours"
 FLOWN = "One JSBSim landing pattern in still air; runs are draws of noise."
 BELIEFS = ("turn onto final", "base", "final before the glide path", "glide path")
 READ = (

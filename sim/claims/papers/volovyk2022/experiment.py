@@ -152,10 +152,11 @@ def squares(name: str, seed: int, runs: int, truth: str = LEFT) -> Squares:
     shape, prior = data.phase.shape, data.prior
     position, azimuth, turning = (np.empty(shape, np.float32) for _ in range(3))
     truth_azimuth = np.arctan2(data.truth[:, 1] - RADAR[1], data.truth[:, 0] - RADAR[0])
+    tracker = imm(name)
     for some in chunks(shape[1], 512):
         begun = prior if prior.mean.ndim == 1 else prior._replace(mean=prior.mean[:, some])
-        for epoch in follow(imm(name), data.measurements.runs(some), begun, start=0.0):
-            mixture = epoch.estimate
+        for epoch in follow(tracker, data.measurements.runs(some), begun, start=0.0):
+            mixture = tracker.estimate(epoch.state)
             mean = merge(mixture).mean
             turning[epoch.row, some] = mixture.weights[TURN_LEFT]
             position[epoch.row, some] = ((mean[[0, 2]] - data.truth[epoch.row][:, some]) ** 2).sum(axis=0)

@@ -15,8 +15,6 @@ from sim.flight.truths.landing_pattern import GROUND
 from tracking.gaussian import merge
 from tracking.track import follow
 
-LEFT_UP = np.array([[1.0], [-1.0]])  # north and east as a map that is flown from left to right
-
 
 def landing_pattern(seed: int) -> Iterator[Plot]:
     """The path."""
@@ -53,9 +51,11 @@ def realised(seed: int) -> Realised:
     data = experiment(seed, SMALLEST)
     airborne = data.phase[:, 0] < GROUND
     weights, means = [], []
-    for epoch in follow(imm(DENSITY), data.measurements.runs(slice(0, 1)), data.prior, start=0.0):
-        weights.append(epoch.estimate.weights[:, 0])
-        means.append(merge(epoch.estimate).mean[[0, 2], 0] / 1e3)
+    tracker = imm(DENSITY)
+    for epoch in follow(tracker, data.measurements.runs(slice(0, 1)), data.prior, start=0.0):
+        mixture = tracker.estimate(epoch.state)
+        weights.append(mixture.weights[:, 0])
+        means.append(merge(mixture).mean[[0, 2], 0] / 1e3)
     z = data.measurements.z[airborne, :, 0]
     measured = np.array(RADAR)[:, None] / 1e3 + z[:, 0] / 1e3 * np.stack([np.cos(z[:, 1]), np.sin(z[:, 1])])
     return Realised(
@@ -81,6 +81,7 @@ def estimates(seed: int) -> Iterator[Plot]:
     north = found.truth[:, 0]
     near = (found.time > found.time[0] + 55.0) & (found.time < found.time[0] + 125.0)
     for title, chosen in (("", np.ones(len(north), bool)), (", the turn onto final", near)):
+        measured, estimate, truth = found.measured[:, chosen], found.estimate[chosen], found.truth[chosen]
         yield Plot(
             "fig. 3",
             f"Measurement, truth and estimate{title}",
@@ -88,9 +89,9 @@ def estimates(seed: int) -> Iterator[Plot]:
             "past the threshold, km",
             "left of the centreline, km",
             (
-                Curve("measured", *(LEFT_UP * found.measured[:, chosen]), "dots"),
-                Curve("estimate", *(LEFT_UP * found.estimate[chosen].T)),
-                Curve("truth", *(LEFT_UP * found.truth[chosen].T), "dashed"),
+                Curve("measured", measured[0], -measured[1], "dots"),
+                Curve("estimate", estimate[:, 0], -estimate[:, 1]),
+                Curve("truth", truth[:, 0], -truth[:, 1], "dashed"),
             ),
             equal=True,
         )
