@@ -5,16 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from sim.claims.ledger import Claim, Reading, flown_too
-from sim.claims.papers.glistin.experiment import (
-    BIASED,
-    CONDITIONS,
-    FLIGHTS,
-    JSBSIM,
-    LATE,
-    gained,
-    gained_still,
-    more_in_the_turn,
-)
+from sim.claims.papers.glistin.cases import BIASED, CONDITIONS, FLIGHTS, JSBSIM, LATE
+from sim.claims.papers.glistin.experiment import gained, gained_still, more_in_the_turn
 from sim.claims.verdict import above
 
 CASES = [(flight, condition) for flight in FLIGHTS for condition in CONDITIONS]

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sim.claims.papers.glistin.experiment import FINE, JSBSIM, case, squares
+from sim.claims.papers.glistin.cases import FINE, JSBSIM, case
+from sim.claims.papers.glistin.experiment import squares
 from sim.claims.plots import Curve, Plot
 
 RUNS = 100

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from sim.claims.papers.glistin.cases import SETTLED, built, case, errors
+
 SEED, RUNS = 1, 30
 WORTH = 1e-3  # share of the mean square error below which a step of the lattice is no gain
 STARTS = {
@@ -30,8 +32,6 @@ def neighbours(fields: dict[str, float]) -> list[dict[str, float]]:
 
 def tune(kind: str, flight: str, condition: str) -> dict[str, float]:
     """The parameters that no neighbour on the lattice betters over the whole flight, and so no edge of any grid."""
-    from sim.claims.papers.glistin.experiment import SETTLED, built, case, errors
-
     data, tried = case(SEED, RUNS, flight, condition), {}
 
     def cost(fields: dict[str, float]) -> float:
