@@ -11,8 +11,6 @@ from aircraft.state import AircraftState, Command
 from autopilot.route import PathDeviation, Route
 
 RECORD_STEP = 1.0 / 30.0  # s, of the record and of the autopilot
-
-
 GATE_HEIGHT = 300.0  # m; at and below, an approach must be stabilised
 
 

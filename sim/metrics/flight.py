@@ -129,11 +129,7 @@ def summarise(flights: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 LASTING = 60.0  # s; twice at the end of a flight
-
-
 WATCHED = 180.0  # s, at the end; for periods of up to two minutes
-
-
 LEAST = math.radians(1.0)  # of bank; less is no oscillation
 
 

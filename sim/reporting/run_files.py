@@ -70,8 +70,6 @@ def plot_columns(record: SensorRecord) -> dict[str, np.ndarray]:
 
 
 ANGLES = ("azimuth", "elevation", "bearing", "course", "bank", "heading", "turn", "path_angle")  # others are lengths
-
-
 PER_TIME = {"_rate": "ps", "_speed": "ps", "_acceleration": "ps2"}  # how a channel's name ends -> how its unit does
 
 

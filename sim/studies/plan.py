@@ -22,8 +22,6 @@ from sim.studies.metrics import fewest_flights
 from sim.studies.theory import THEORIES
 
 LARGEST_STUDY = 100_000  # flights
-
-
 UNDESIGNED = ("name", "seed", "flights", "draws", "until_s", "start", "wind", "sensors", "trackers", "checks")
 
 

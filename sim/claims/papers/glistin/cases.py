@@ -20,41 +20,17 @@ from tracking.track import Measurements, follow
 from tracking.trackers.load_factor import DOWNLINK, LoadFactor
 
 DEGREE = math.pi / 180.0
-
-
 RADAR = ("range", "azimuth", "elevation")
-
-
 MEASURED = (*(f"radar.{name}" for name in RADAR), *(f"link.{name}" for name in DOWNLINK))
-
-
 FLIGHTS: dict[str, BaseTurn | STurn | NearPass] = {"base turn": BaseTurn(), "S-turn": STurn(), "near pass": NearPass()}
-
-
 JSBSIM, SCENARIO = "turn onto final", "glistin_jsbsim"  # the flight, and who flies it
-
-
 CONDITIONS = {"0.7 s, 1 deg": (0.7, DEGREE), "0.5 s, 0.15 deg": (0.5, 0.15 * DEGREE)}  # scan, sigma of the azimuth
-
-
 COARSE, FINE = CONDITIONS
-
-
 SIGMA_RANGE = 30.0  # m
-
-
 SIGMAS_LINK = np.array([0.01, 0.01, 0.01, 0.5 * DEGREE, 0.25 * DEGREE, 0.5 * DEGREE])
-
-
 FINEST = 0.1  # s, of the truth's record; every scan and every latency is a multiple
-
-
 BEFORE, BEHIND = 40.0, 60.0  # s of the JSBSim flight before its turn onto final and behind it
-
-
 PLACE = (1200.0, 150.0, 3.0)  # m, of the radar of that flight: past the threshold, right, up
-
-
 SETTLED = 15  # scans
 
 
@@ -68,11 +44,7 @@ class Spoil(NamedTuple):
 
 
 NOTHING = Spoil()
-
-
 LATE = {late: Spoil(("base turn", "S-turn"), late) for late in (0.5, 1.0, 2.0, 4.0)}
-
-
 BIASED = {
     text: Spoil(("base turn",), 0.0, quantity, error)
     for text, quantity, error in (
@@ -84,8 +56,6 @@ BIASED = {
         ("course 5 deg", "air_course", 5.0 * DEGREE),
     )
 }
-
-
 SPOILS = (*LATE.values(), *BIASED.values())
 
 
