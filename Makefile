@@ -49,7 +49,7 @@ bench: .venv/ready
 	$(BIN)/python tests/benchmarks/run.py
 
 soak: .venv/ready
-	$(BIN)/python tests/soak/soak.py
+	$(BIN)/python -m tests.soak.soak
 
 clean:
 	rm -rf .venv out build dist

@@ -175,7 +175,7 @@ def test_flights_that_cells_share(row, tmp_path):
 
 def test_soak(row):
     """`make soak`: twenty studies whose workers are killed, twenty-five whose parents are, each beside a whole one."""
-    command = [sys.executable, "tests/soak/soak.py"]
+    command = [sys.executable, "-m", "tests.soak.soak"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     lines = done.stdout.splitlines()
     killed = sum(int(line.split()[2]) for line in lines if line.startswith("study "))

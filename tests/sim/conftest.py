@@ -1,6 +1,9 @@
-"""Flights made by formula, so that checks and metrics are judged by arithmetic."""
+"""Flights made by formula, so that checks and metrics are judged by arithmetic; the command without a process."""
 
 from __future__ import annotations
+
+import sys
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -51,3 +54,27 @@ class Inline:
 @pytest.fixture
 def inline():
     return Inline
+
+
+class Done(NamedTuple):
+    """What a command that has ended leaves at the prompt."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def command(monkeypatch, capsys, tmp_path):
+    """The command without the cost of a new process; an exception that escapes fails the test."""
+    from sim.cli.commands import main
+
+    def call(*arguments):
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["shortfinal", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        out, err = capsys.readouterr()
+        return Done(end.value.code or 0, out, err)
+
+    return call

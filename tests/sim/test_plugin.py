@@ -11,21 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.capture import capture
+
 ROOT = Path(__file__).resolve().parents[2]
-SCENARIO = """
-until_s = 4
-draws = 2
-[route]
-kind = "legs"
-[[route.legs]]
-from_m = [0, 0]
-to_m = [20000, 0]
-speed_mps = 72
-height_m = 600
-[start]
-leg = 0
-cross_track_m = 3000
-"""
+SCENARIO = capture(until_s=4, draws=2, cross_track_m=3000)
 GOOD = """
 [[checks]]
 name = "bank"
@@ -75,6 +64,7 @@ def installed(tmp_path_factory):
         names = archive.namelist()
     assert {name.split("/")[0] for name in names} >= {"sim", "autopilot", "tracking", "aircraft"}
     assert not [name for name in names if name.startswith("tests")]
+    assert {f"{package}/py.typed" for package in ("sim", "autopilot", "tracking", "aircraft")} <= set(names)
     return folder / "site"
 
 

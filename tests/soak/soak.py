@@ -19,24 +19,12 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.capture import capture
+
 ROOT = Path(__file__).resolve().parents[2]
-SCENARIO = """
-name = "soak"
-until_s = 60
-flights = 50
-draws = 5
+TABLES = """
 [wind]
 turbulence = "moderate"
-[route]
-kind = "legs"
-[[route.legs]]
-from_m = [0, 0]
-to_m = [40000, 0]
-speed_mps = 72
-height_m = 600
-[start]
-leg = 0
-cross_track_m = 1000
 [sensors.radar]
 kind = "surveillance_radar"
 [trackers.plain]
@@ -45,6 +33,7 @@ kind = "kalman"
 "sensors.radar.position_sigma_m" = [50, 100]
 "wind.speed_mps" = [0, 6, 12]
 """
+SCENARIO = capture(TABLES, name="soak", until_s=60, flights=50, draws=5, to_m=40000, cross_track_m=1000)
 SAME = "the same bytes"
 COMPARED = ("metrics.json", "flights.jsonl", "scenario.toml", "report.html")
 

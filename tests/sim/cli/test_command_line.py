@@ -7,32 +7,19 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 
-from sim.cli.commands import main
+from tests.capture import capture
 
-CAPTURE = """
-name = "short"
-draws = 4
-until_s = 20
-[route]
-kind = "legs"
-[[route.legs]]
-from_m = [0, 0]
-to_m = [20000, 0]
-speed_mps = 72
-height_m = 600
-[start]
-leg = 0
-cross_track_m = 300
+RADAR = """
 [sensors.radar]
 kind = "surveillance_radar"
 position_sigma_m = 100
 [trackers.constant_velocity]
 kind = "kalman"
 """
+CAPTURE = capture(RADAR, name="short", draws=4, until_s=20)
 
 
 def process(*arguments, cwd):
@@ -53,27 +40,6 @@ def process(*arguments, cwd):
     )
     assert "Traceback" not in done.stderr
     return done
-
-
-class Done(NamedTuple):
-    returncode: int
-    stdout: str
-    stderr: str
-
-
-@pytest.fixture
-def command(monkeypatch, capsys, tmp_path):
-    """The same command without the cost of a new process; an exception that escapes fails the test."""
-
-    def call(*arguments):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["shortfinal", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            main()
-        out, err = capsys.readouterr()
-        return Done(end.value.code or 0, out, err)
-
-    return call
 
 
 @pytest.fixture

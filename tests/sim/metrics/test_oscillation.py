@@ -23,13 +23,9 @@ from sim.studies import theory as study_theory
 from sim.studies.bisection import border
 from sim.studies.metrics import study_metrics
 from sim.studies.page import page
+from tests.capture import CAPTURE
 
-LINE = {
-    "name": "line",
-    "until_s": 60.0,
-    "start": {"cross_track_m": 3000.0},
-    "route": {"kind": "legs", "legs": [{"from_m": [0, 0], "to_m": [20000, 0], "speed_mps": 72, "height_m": 600}]},
-}
+LINE = {**CAPTURE, "name": "line", "until_s": 60.0, "start": {"cross_track_m": 3000.0}}
 G = 9.80665
 
 

@@ -11,12 +11,9 @@ from hypothesis import strategies as st
 
 from sim.errors import ScenarioError
 from sim.scenario.reading import override, read
+from tests.capture import CAPTURE
 
-GOOD = {
-    "name": "capture",
-    "route": {"kind": "legs", "legs": [{"from_m": [0, 0], "to_m": [20000, 0], "speed_mps": 72, "height_m": 600}]},
-    "start": {"leg": 0, "cross_track_m": 3000},
-}
+GOOD = {**CAPTURE, "start": {"leg": 0, "cross_track_m": 3000}}
 
 
 def faults(**tables: object) -> str:

@@ -18,26 +18,15 @@ from sim.scenario.reading import read
 from sim.studies import study as studies
 from sim.studies.job import Job
 from sim.workers.executors import ATTEMPTS, LocalExecutor, Lost
+from tests.capture import capture
 
-TABLES = """
-name = "killed"
-until_s = 20
-flights = 4
-[route]
-kind = "legs"
-[[route.legs]]
-from_m = [0, 0]
-to_m = [20000, 0]
-speed_mps = 72
-height_m = 600
-[start]
-leg = 0
-cross_track_m = 300
+AIR = """
 [wind]
 turbulence = "light"
 [study.axes]
 "wind.speed_mps" = [0, 4, 8]
 """
+TABLES = capture(AIR, name="killed", until_s=20, flights=4)
 STUDIES = 12  # flights
 
 

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import json
-import sys
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 from scipy import stats
 
-from sim.cli.commands import main
 from sim.errors import OutputError, ScenarioError
 from sim.experiment import run
 from sim.scenario.axes import Listed, Sampled, axis, cells, samples
@@ -18,15 +15,9 @@ from sim.scenario.reading import read
 from sim.scenario.tables import StudyCheck
 from sim.studies import study as studies
 from sim.studies.metrics import fewest_flights, quantile_ranks, share_check, share_interval, tolerance_rank
+from tests.capture import CAPTURE
 
-LINE = {
-    "name": "line",
-    "until_s": 2.0,
-    "flights": 2,
-    "route": {"kind": "legs", "legs": [{"from_m": [0, 0], "to_m": [20000, 0], "speed_mps": 72, "height_m": 600}]},
-    "start": {"leg": 0, "cross_track_m": 300.0},
-    "wind": {"turbulence": "light"},
-}
+LINE = {**CAPTURE, "name": "line", "until_s": 2.0, "flights": 2, "wind": {"turbulence": "light"}}
 
 
 class Inline:
@@ -348,25 +339,6 @@ def test_two_at_a_time_are_refused(tmp_path):
 
 
 # ---- the command
-
-
-class Done(NamedTuple):
-    returncode: int
-    stdout: str
-    stderr: str
-
-
-@pytest.fixture
-def command(monkeypatch, capsys, tmp_path):
-    def call(*arguments):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["shortfinal", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            main()
-        out, err = capsys.readouterr()
-        return Done(end.value.code or 0, out, err)
-
-    return call
 
 
 @pytest.mark.parametrize(

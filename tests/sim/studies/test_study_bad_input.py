@@ -10,25 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from sim.cli.commands import main
 from sim.studies import study as studies
+from tests.capture import capture
 
 ROOT = Path(__file__).resolve().parents[3]
-LINE = """
-name = "line"
-until_s = 2
-draws = 2
-[route]
-kind = "legs"
-[[route.legs]]
-from_m = [0, 0]
-to_m = [20000, 0]
-speed_mps = 72
-height_m = 600
-[start]
-leg = 0
-cross_track_m = 300
-"""
+LINE = capture(name="line", until_s=2, draws=2)
 AXES = """
 [study.axes]
 "wind.speed_mps" = [0, 4, 8]
@@ -43,17 +29,13 @@ def file(tmp_path):
 
 
 @pytest.fixture
-def refused(monkeypatch, capsys, tmp_path):
+def refused(command):
     """A command that must end with one sentence and exit 2; returns the sentence."""
 
     def call(*arguments):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["shortfinal", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            main()
-        out, err = capsys.readouterr()
-        assert (end.value.code, out) == (2, ""), out + err
-        (line,) = err.splitlines()
+        done = command(*arguments)
+        assert (done.returncode, done.stdout) == (2, ""), done.stdout + done.stderr
+        (line,) = done.stderr.splitlines()
         return line
 
     return call

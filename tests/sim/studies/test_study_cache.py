@@ -14,14 +14,14 @@ from sim.studies import flight_cache
 from sim.studies import job as ensemble
 from sim.studies import study as studies
 from sim.studies.job import Job
+from tests.capture import CAPTURE
 
 TABLES = {
+    **CAPTURE,
     "name": "shared",
     "until_s": 5.0,
     "flights": 2,
     "draws": 3,
-    "route": {"kind": "legs", "legs": [{"from_m": [0, 0], "to_m": [20000, 0], "speed_mps": 72, "height_m": 600}]},
-    "start": {"leg": 0, "cross_track_m": 300.0},
     "wind": {"turbulence": "light"},
     "sensors": {"radar": {"kind": "surveillance_radar", "position_sigma_m": 100.0}},
     "trackers": {"plain": {"kind": "kalman"}},

@@ -18,27 +18,16 @@ import pytest
 from sim.errors import OutputError
 from sim.studies import study as studies
 from sim.workers.cluster import _checked, connect
+from tests.capture import capture
 
 ROOT = Path(__file__).resolve().parents[3]
-TABLES = """
-name = "cluster"
-until_s = 30
-flights = 4
-[route]
-kind = "legs"
-[[route.legs]]
-from_m = [0, 0]
-to_m = [20000, 0]
-speed_mps = 72
-height_m = 600
-[start]
-leg = 0
-cross_track_m = 300
+AIR = """
 [wind]
 turbulence = "light"
 [study.axes]
 "wind.speed_mps" = [0, 4]
 """
+TABLES = capture(AIR, name="cluster", until_s=30, flights=4)
 FLIGHTS = 8
 WRITTEN = ("metrics.json", "flights.jsonl", "scenario.toml", "report.html")
 

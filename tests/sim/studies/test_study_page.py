@@ -11,11 +11,9 @@ from sim.scenario.reading import read
 from sim.studies.figures import study_charts
 from sim.studies.metrics import study_metrics
 from sim.studies.page import page, shown_metrics
+from tests.capture import CAPTURE
 
-LINE = {
-    "name": "line",
-    "route": {"kind": "legs", "legs": [{"from_m": [0, 0], "to_m": [20000, 0], "speed_mps": 72, "height_m": 600}]},
-}
+LINE = {**CAPTURE, "name": "line"}
 
 
 def made(axes, outcome=lambda values: "completed", samples=1, **study):
