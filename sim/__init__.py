@@ -1,7 +1,88 @@
-"""The experiment in five verbs: read a scenario, fly it, observe it, track it, report it; ``run`` does all.
+"""An approach is flown, watched, tracked and judged: the verbs of the experiment and what passes between them.
 
 >>> import sim
->>> result = sim.run("an26_pattern", seed=1)      # doctest: +SKIP
+>>> result = sim.run("an26_pattern", seed=1)  # doctest: +SKIP
+>>> result.flight.outcome  # doctest: +SKIP
+'landed'
+
+Everything on this page is imported as ``sim.NAME``; the module behind it is loaded when it is first asked for.
+
+Verbs, in the order of a run
+----------------------------
+- `read` - a file, a bundled name or a dict of tables -> `Scenario` (sim.scenario.reading)
+- `prepare` - Scenario -> `Prepared`: route, law, gains and trim of one aircraft (sim.flight.preparation)
+- `fly` - Prepared -> `Flight`: the closed loop of aircraft and autopilot (sim.experiment)
+- `observe` - Flight and sensors -> a `SensorRecord` for each sensor (sim.observation.record)
+- `track` - Prepared, Flight, records -> a `Tracked` for each tracker, and its figures (sim.estimation.tracking_run)
+- `report` - `Result` and a folder -> the files of the run (sim.experiment)
+- `run` - all of them but the report, and the checks -> `Result` (sim.experiment)
+
+Units and frames
+----------------
+SI, radians, seconds; times count from the start of the flight. Only files, pages and the keys of metrics.json have
+other units, and there every name carries its own (``_deg``, ``_kt``, ``_nmi``).
+
+Runway frame: north, east and height in metres from the runway threshold; velocity north, east and up over the ground;
+wind is the way the air moves. Heading, course and the bearing of a leg clockwise from north, pitch and path angle + up,
+bank and cross-track + right. ``help(aircraft)`` has the earth, the body axes and the load factors.
+
+Shapes: ``k`` instants come first, then ``m`` measured channels or ``n`` states, and last the noise draws. A covariance
+that is the same for all draws has 1 of them, or no such axis. What is absent is NaN.
+
+Data
+----
+- `Scenario` - a file as it was read, whole and checked, in SI (sim.scenario.model)
+    - ``name``, ``seed``; ``flights``, each with its own air; ``draws`` of noise on flight 0; ``until`` s or None
+    - ``runway``, ``aircraft``, ``start``, ``route``, ``autopilot``, ``wind`` - their tables (sim.scenario.tables)
+    - ``mode`` - the kind of law that flies; ``law`` - what the file sets of it; ``designed`` - gains it brings along
+    - ``sensors``, ``trackers`` - by name; ``departures`` from the law; ``checks``; ``study``
+    - ``tables`` - the resolved file itself, in its own spelling
+- `Prepared` - all that one flight needs, built once (sim.flight.preparation)
+    - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state
+    - ``limits`` that end a flight; ``designed`` gains; ``warnings``, sentences
+- `Flight` - the record of one flight, k instants at 30 Hz (sim.flight.record)
+    - ``time`` (k,) s; ``state`` and ``command`` - `AircraftState` and `Command` of arrays (k,)
+    - ``route`` that was to be flown; ``leg`` (k,) - index of the active one; ``deviation`` from it, of arrays (k,)
+    - ``phase`` (k,) - index into ``phases``, their names; ``wind`` (3, k) m/s north, east, up
+    - ``events`` - (time s, name, detail); ``outcome`` - landed, go_around, completed, ground, orbit, diverged, envelope
+      or time_limit; ``reason``, a sentence
+- `AircraftState` - one instant of motion, or a record of arrays (aircraft.state)
+    - ``time`` s; ``north``, ``east``, ``height`` m; ``velocity_north``, ``velocity_east``, ``velocity_up`` m/s
+    - ``bank``, ``pitch``, ``heading`` rad; ``roll_rate``, ``pitch_rate``, ``yaw_rate`` rad/s, body axes
+    - ``airspeed`` m/s, true; ``angle_of_attack``, ``sideslip`` rad, + wind from the right
+    - ``specific_force_forward``, ``specific_force_right``, ``specific_force_down`` m/s2, body axes, all but gravity
+    - ``aileron``, ``elevator``, ``rudder`` -1..1, + rolls right, pitches up, yaws right; ``throttle`` 0..1
+    - ``flaps`` rad; ``gear`` 0 up, 1 down; ``main_wheels`` 0..1, the share of them on the ground
+    - what follows from them: ``course``, ``ground_speed``, ``air_velocity``, ``flight_path_angle`` and ``air_course``
+      through the air, ``aerodynamic_bank``, ``load_factor``, ``acceleration``
+- `Command` - what the autopilot asks of the inner loops (aircraft.state)
+    - ``bank`` rad; ``flight_path_angle`` rad over the ground; ``height`` m, NaN = not held; ``airspeed`` m/s, true
+    - ``flaps`` rad; ``gear`` 0 or 1; ``sideslip`` rad
+- `SensorRecord` - all looks of one sensor at one flight (sim.observation.record)
+    - ``channels`` - m names such as range, azimuth, elevation; ``time`` (k,) s, when it was true; ``arrival`` (k,) s,
+      when it was known
+    - ``z`` (k, m, draws) SI; of an antenna its slant range, the azimuth clockwise from its zero, the elevation + up
+    - ``R`` (k, m, m, draws), the covariance of z; ``candidates`` (k, c, m, draws), false plots too, or None
+- `Measurements` - the looks of several sensors as one tracker gets them (tracking.track)
+    - ``channels`` - m names, "SENSOR.QUANTITY"; ``time``, ``arrival`` (k,) s; ``z`` (k, m, draws), NaN = not then
+    - ``R`` (k, m, m, draws); ``candidates`` (k, c, m, draws) or None
+- `Track` - the estimates of one tracker, after each of k updates (tracking.track)
+    - ``channels`` - n names, north, north_rate, east, east_rate for most; ``time`` (k,) s
+    - ``mean`` (k, n, draws) and ``cov`` (k, n, n, draws), SI in the runway frame or that of its sensor
+    - ``white`` (k, m, draws) - residuals of unit variance; ``nis``, ``log_likelihood`` (k, draws)
+    - ``model_probabilities`` (k, M, draws) of M models, or None
+- `Tracked` - a tracker's record and how it was set up (sim.estimation.tracking_run)
+    - ``track``; ``measurements`` that it was given; ``law_from`` - origin of the law it assumes, None = none known
+- `Result` - what a run found out (sim.result)
+    - ``prepared``, ``scenario``; ``flights``, and ``flight``, the first, which sensors and trackers watch
+    - ``records`` and ``tracks`` - SensorRecord and Tracked by name; ``metrics`` - as in metrics.json; ``timing`` s
+
+Errors
+------
+Both are a ``ValueError`` with a sentence for the user.
+
+- `ScenarioError` - a scenario that cannot be run: one line for each fault, with its place and the mend (sim.errors)
+- `OutputError` - a folder that cannot be written or read, or a program to be used that does not answer (sim.errors)
 """
 
 from __future__ import annotations
@@ -9,23 +90,59 @@ from __future__ import annotations
 import importlib
 import importlib.util
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from aircraft.state import AircraftState, Command
+    from sim.errors import OutputError, ScenarioError
+    from sim.estimation.tracking_run import Tracked, track
+    from sim.experiment import fly, report, run
+    from sim.flight.preparation import Prepared, prepare
+    from sim.flight.record import Flight
+    from sim.observation.record import SensorRecord, observe
+    from sim.result import Result
+    from sim.scenario.model import Scenario
+    from sim.scenario.reading import read
+    from tracking.track import Measurements, Track
 
 __version__ = "0.1.0"
 
-_VERBS = {
-    "read": "sim.scenario.reading",
-    "Scenario": "sim.scenario.reading",
-    "prepare": "sim.flight.preparation",
-    "fly": "sim.experiment",
-    "observe": "sim.observation.record",
-    "track": "sim.experiment",
-    "report": "sim.experiment",
-    "run": "sim.experiment",
-    "Result": "sim.experiment",
-    "ScenarioError": "sim.errors",
+__all__ = [
+    "AircraftState",
+    "Command",
+    "Flight",
+    "Measurements",
+    "OutputError",
+    "Prepared",
+    "Result",
+    "Scenario",
+    "ScenarioError",
+    "SensorRecord",
+    "Track",
+    "Tracked",
+    "fly",
+    "observe",
+    "prepare",
+    "read",
+    "report",
+    "run",
+    "track",
+]
+
+_HOMES = {
+    "aircraft.state": ("AircraftState", "Command"),
+    "sim.errors": ("OutputError", "ScenarioError"),
+    "sim.estimation.tracking_run": ("Tracked", "track"),
+    "sim.experiment": ("fly", "report", "run"),
+    "sim.flight.preparation": ("Prepared", "prepare"),
+    "sim.flight.record": ("Flight",),
+    "sim.observation.record": ("SensorRecord", "observe"),
+    "sim.result": ("Result",),
+    "sim.scenario.model": ("Scenario",),
+    "sim.scenario.reading": ("read",),
+    "tracking.track": ("Measurements", "Track"),
 }
-__all__ = sorted(_VERBS)
+_HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 
 
 def _refuse_strangers() -> None:
@@ -43,8 +160,12 @@ def _refuse_strangers() -> None:
 
 _refuse_strangers()
 
+if not TYPE_CHECKING:  # a type checker sees the imports above, and refuses what is not among them
 
-def __getattr__(name: str) -> Any:
-    if name in _VERBS:
-        return getattr(importlib.import_module(_VERBS[name]), name)
-    raise AttributeError(f"module 'sim' has no attribute '{name}'")
+    def __getattr__(name: str) -> object:
+        if name in _HOME_OF:
+            return getattr(importlib.import_module(_HOME_OF[name]), name)
+        raise AttributeError(f"module 'sim' has no attribute '{name}'")
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__all__})
