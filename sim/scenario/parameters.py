@@ -11,15 +11,23 @@ import functools
 import math
 import types
 import typing
-from typing import Annotated, Any
+from collections.abc import Callable
+from typing import Annotated, Any, ParamSpec, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
 from aircraft.units import spellings
 from sim.scenario.messages import stem
 
+P = ParamSpec("P")
+R = TypeVar("R")
 GIVEN = "given"
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+
+
+def _cached(function: Callable[P, R]) -> Callable[P, R]:
+    """The function with its results kept; to type checkers ``functools.cache`` would forget what it takes."""
+    return typing.cast(Callable[P, R], functools.cache(function))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -39,7 +47,7 @@ class Parameter:
         return {self.name: 1.0} if self.unit is None else spellings(self.name, self.unit)
 
 
-@functools.cache
+@_cached
 def parameters(cls: type) -> tuple[Parameter, ...]:
     """The fields of ``cls`` that a file may set."""
     hints = typing.get_type_hints(cls, include_extras=True)
@@ -51,10 +59,9 @@ def parameters(cls: type) -> tuple[Parameter, ...]:
             if GIVEN in notes:
                 continue
             unit = next((note for note in notes if isinstance(note, str)), None)
-        required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-        default = field.default
-        if not required and default is dataclasses.MISSING:
-            default = field.default_factory()
+        factory = field.default_factory
+        required = field.default is dataclasses.MISSING and factory is dataclasses.MISSING
+        default = field.default if factory is dataclasses.MISSING else factory()
         found.append(Parameter(field.name.rstrip("_"), field.name, unit, hint, required, default))
     return tuple(found)
 
@@ -69,21 +76,21 @@ def _numbers(hint: Any, unit: str | None) -> Any:
         return Annotated[int, Field(strict=True)]
     if hint is bool:
         return Annotated[bool, Field(strict=True)]
-    if dataclasses.is_dataclass(hint):
+    if isinstance(hint, type) and dataclasses.is_dataclass(hint):
         return model_of(hint)
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
     if origin in (types.UnionType, typing.Union):
         return typing.Union[tuple(_numbers(a, unit) for a in arguments)]  # noqa: UP007 (built at run time)
     if origin is tuple and len(arguments) == 2 and arguments[1] is Ellipsis:
-        return list[_numbers(arguments[0], unit)]
+        return types.GenericAlias(list, (_numbers(arguments[0], unit),))
     if origin is tuple:
-        return tuple[tuple(_numbers(a, unit) for a in arguments)]
+        return types.GenericAlias(tuple, tuple(_numbers(a, unit) for a in arguments))
     if origin is dict:
-        return dict[arguments[0], _numbers(arguments[1], unit)]
+        return types.GenericAlias(dict, (arguments[0], _numbers(arguments[1], unit)))
     return hint
 
 
-@functools.cache
+@_cached
 def model_of(
     cls: type,
     kind: str | None = None,
@@ -122,12 +129,8 @@ def model_of(
                     raise ValueError(f"'{next(iter(parameter.keys))}' is missing{''.join(wrong[:1])}")
         return table
 
-    return create_model(
-        cls.__name__,
-        __config__=ConfigDict(extra="forbid"),
-        __validators__={"one_spelling": model_validator(mode="before")(one_spelling)},
-        **fields,
-    )
+    validators: dict[str, Any] = {"one_spelling": model_validator(mode="before")(one_spelling)}
+    return create_model(cls.__name__, __config__=ConfigDict(extra="forbid"), __validators__=validators, **fields)
 
 
 def construct(cls: type, table: dict[str, Any], **given: Any) -> Any:

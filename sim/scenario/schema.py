@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import types
 import typing
 from typing import Annotated, Any
 
@@ -60,6 +61,16 @@ def _wind_model(events: Any) -> type[BaseModel]:
     return create_model("wind", __base__=model_of(WindTable), events=(events, {}))
 
 
+def _entries(cls: type) -> Any:
+    """``list`` of a model that is made at run time, which a type checker would not take for a type."""
+    return types.GenericAlias(list, (model_of(cls),))
+
+
+def _optional(cls: type) -> Any:
+    """A model that is made at run time, or None."""
+    return model_of(cls) | None
+
+
 def file_model(parts: dict[str, Any]) -> type[BaseModel]:
     """The model of a whole file; ``parts`` gives the types of the tables that have kinds."""
     text = Annotated[str, Field(pattern=f"^{NAME.pattern}$")]
@@ -75,9 +86,9 @@ def file_model(parts: dict[str, Any]) -> type[BaseModel]:
         aircraft=(model_of(AircraftChoice), None),
         start=(model_of(Start), None),
         designed=(dict[str, Any] | None, None),
-        departures=(list[model_of(Departure)], []),
-        checks=(list[model_of(Check)], []),
-        study=(model_of(StudyTable) | None, None),
+        departures=(_entries(Departure), []),
+        checks=(_entries(Check), []),
+        study=(_optional(StudyTable), None),
         **parts,
     )
 
