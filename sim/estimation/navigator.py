@@ -132,8 +132,8 @@ class Navigator:
     def _height(self, sight: Sight, state: AircraftState, believed: dict[str, float]) -> float:
         elevation = next(value for name, value in believed.items() if name.endswith(".elevation"))
         if math.isnan(sight.range):
-            return state.height  # not yet coupled: the barometric height of the level leg
-        height = self.elevation.antenna[2] + sight.range * math.sin(elevation)
+            return float(state.height)  # not yet coupled: the barometric height of the level leg
+        height: float = self.elevation.antenna[2] + sight.range * math.sin(elevation)
         if height < DECISION_HEIGHT and not math.isnan(sight.altimeter):
             return sight.altimeter
         return height

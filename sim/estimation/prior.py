@@ -42,14 +42,14 @@ def true_values(flight: Flight, sensors: dict[str, Any], component: str, time: n
     if quantity.endswith(("azimuth", "elevation")):
         before, after = now + wrap(before - now), now + wrap(after - now)
     if order == 1:
-        return (after - before) / (2 * DIFFERENCE)
-    return (after - 2 * now + before) / DIFFERENCE**2
+        return np.asarray((after - before) / (2 * DIFFERENCE))
+    return np.asarray((after - 2 * now + before) / DIFFERENCE**2)
 
 
 def _quantity(flight: Flight, sensors: dict[str, Any], quantity: str, time: np.ndarray) -> np.ndarray:
     position = truth_at(flight, time).position
     if quantity in PLANE:
-        return position[PLANE.index(quantity)]
+        return np.asarray(position[PLANE.index(quantity)])
     name, _, channel = quantity.rpartition(".")
     sensor = sensors[name]
     return np.asarray(sensor.truth(position)[sensor.channels.index(channel)])
@@ -66,17 +66,17 @@ def prior(
 ) -> Gaussian:
     """The truth at ``time`` and, for each draw, an error of the stated spread; the same error for every tracker."""
     at = np.array([time])
-    means, sigmas, errors = [], [], []
+    means, spreads, errors = [], [], []
     for component in components:
         quantity, order = split(component)
         sigma = (PRIOR_POSITION, PRIOR_RATE, PRIOR_ACCELERATION)[order]
         if quantity.endswith(("azimuth", "elevation")):
             sigma /= _distance(flight, sensors[quantity.rpartition(".")[0]], at)
         means.append(true_values(flight, sensors, component, at)[0])
-        sigmas.append(sigma)
+        spreads.append(sigma)
         errors.append([stream(seed, number, draw, f"prior.{component}").standard_normal() for draw in range(draws)])
-    sigma = np.array(sigmas)
-    return Gaussian(np.array(means)[:, None] + sigma[:, None] * np.array(errors), np.diag(sigma**2))
+    sigmas = np.array(spreads)
+    return Gaussian(np.array(means)[:, None] + sigmas[:, None] * np.array(errors), np.diag(sigmas**2))
 
 
 def _distance(flight: Flight, sensor: Any, time: np.ndarray) -> float:

@@ -12,7 +12,7 @@ from sim.flight.record import Flight
 
 def position_at(before: AircraftState, after: AircraftState, time: float) -> np.ndarray:
     """(north, east, height) in m at a time between two records, shape (3,)."""
-    return hermite(
+    place: np.ndarray = hermite(
         before.time,
         after.time,
         np.array((before.north, before.east, before.height)),
@@ -21,6 +21,7 @@ def position_at(before: AircraftState, after: AircraftState, time: float) -> np.
         np.array((after.velocity_north, after.velocity_east, after.velocity_up)),
         time,
     )
+    return place
 
 
 def hermite(t0: Any, t1: Any, p0: Any, p1: Any, v0: Any, v1: Any, time: Any) -> Any:

@@ -62,7 +62,8 @@ class Judge:
 
     def _cross_track(self, state: AircraftState, leg: int) -> float:
         north, east, along_north, along_east = self.lines[leg]
-        return (state.east - east) * along_north - (state.north - north) * along_east
+        across: float = (state.east - east) * along_north - (state.north - north) * along_east
+        return across
 
     def _contact(self, state: AircraftState) -> tuple[str, str] | None:
         past, across = self.limits.runway.from_local(state.north, state.east)

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-from aircraft.airframe import RATE, Airframe, Runway, Wind, load
+from aircraft.airframe import RATE, Airframe, Wind, load
 from aircraft.errors import TrimError
 from aircraft.linearise import linearise
 from aircraft.point_mass import PointMass, PointMassState
+from aircraft.runway import Runway
 from aircraft.state import AircraftState, Command
 from aircraft.trim import trim
 from autopilot.design import Designed, OperatingPoint, design, lateral_law

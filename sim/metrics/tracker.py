@@ -11,6 +11,7 @@ from sim.flight.interpolation import truth_at
 from sim.flight.record import Flight
 from sim.metrics import comparison
 from tracking import consistency
+from tracking.intervals import mean_interval, rmse
 from tracking.track import Measurements, Track
 
 
@@ -40,7 +41,7 @@ def judge(
     if first is not None:
         dimension = first.error.shape[1]
         squares = comparison.normalised(first)
-        anees = consistency.mean_interval(np.mean(squares, axis=0) / dimension)
+        anees = mean_interval(np.mean(squares, axis=0) / dimension)
         figures |= {"anees": anees.value, "anees_low": anees.low, "anees_high": anees.high}
         figures["lost_fraction"] = float(np.mean(consistency.lost(squares, dimension)))
         figures["lost_time_s"] = _lost_time(track.time, squares, dimension)
@@ -60,11 +61,11 @@ def _lost_time(time: np.ndarray, squares: np.ndarray, dimension: int) -> float |
 
 def _figure(squares: np.ndarray, raw: np.ndarray) -> dict[str, float | None]:
     """RMSE over epochs and draws with an interval over draws, beside that of the raw measurements."""
-    own = consistency.rmse(squares.mean(axis=0))
+    own = rmse(squares.mean(axis=0))
     figure: dict[str, float | None] = {"rmse": own.value, "low": own.low, "high": own.high, "raw": None, "gain": None}
     finite = np.isfinite(raw)
     if finite.any():
-        figure["raw"] = float(np.sqrt(np.mean(raw[finite])))
+        measured = float(np.sqrt(np.mean(raw[finite])))
         common = float(np.sqrt(np.mean(squares[finite])))
-        figure["gain"] = figure["raw"] / common if common else None
+        figure |= {"raw": measured, "gain": measured / common if common else None}
     return figure

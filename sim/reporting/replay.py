@@ -170,7 +170,8 @@ def _listed(values: np.ndarray, places: int = 1) -> list[Any]:
     finite = np.isfinite(values)
     if finite.all():
         rounded = values.round(places)
-        return rounded.astype(int).tolist() if places == 0 else rounded.tolist()
+        whole: list[Any] = rounded.astype(int).tolist() if places == 0 else rounded.tolist()
+        return whole
     if not finite.any():
         return []
     return [round(v, places) if v == v and abs(v) != np.inf else None for v in values.tolist()]

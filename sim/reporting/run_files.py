@@ -51,13 +51,15 @@ def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray
         R = record.R if record.R.ndim == 4 else record.R[..., None]
         arrays[f"{name}.sigma"] = np.sqrt(np.einsum("kiin->kin", R))
         if record.candidates is not None:
-            arrays |= {f"{name}.plots.{column}": values for column, values in plot_columns(record).items()}
+            arrays |= {
+                f"{name}.plots.{column}": values for column, values in plot_columns(record, record.candidates).items()
+            }
     return arrays
 
 
-def plot_columns(record: SensorRecord) -> dict[str, np.ndarray]:
+def plot_columns(record: SensorRecord, candidates: np.ndarray) -> dict[str, np.ndarray]:
     """All plots of a sensor with clutter, one row each: when, in which draw, whether the target's own, and where."""
-    plots = np.moveaxis(record.candidates, 2, -1)  # (k, c, draws, m)
+    plots = np.moveaxis(candidates, 2, -1)  # (k, c, draws, m)
     epoch, plot, draw = np.nonzero(np.isfinite(plots).all(axis=-1))
     places = plots[epoch, plot, draw].T
     return {

@@ -83,9 +83,9 @@ def _faults(scenario: Scenario, table: StudyTable, axes: tuple[Axis, ...]) -> li
             faults.append(
                 f'[study] theory "{table.theory}" is about the axes "{theory.x}" and "{theory.y}", in this order'
             )
-    for one in table.checks:
-        if one.metric not in SCALARS and not one.metric.startswith("trackers."):
-            faults.append(f"[[study.checks]] no metric '{one.metric}'; {did_you_mean(one.metric, SCALARS)}")
+    for check in table.checks:
+        if check.metric not in SCALARS and not check.metric.startswith("trackers."):
+            faults.append(f"[[study.checks]] no metric '{check.metric}'; {did_you_mean(check.metric, SCALARS)}")
     return faults
 
 

@@ -71,17 +71,25 @@ class _Child:
             stderr=subprocess.DEVNULL,  # what a C++ library says when it aborts
             env={**os.environ, **dict.fromkeys(THREADS, "1"), **temporary, MARK: "1"},
         )
+        assert self.process.stdin is not None  # pipes, as they were asked for
+        assert self.process.stdout is not None
+        self.calls, self.answers = self.process.stdin, self.process.stdout
 
     def ask(self, work: bytes, time_limit: float) -> tuple[bool, Any]:
         """Whether it is done, and the result or the exception; raises ``_Gone``, and then the child is no more."""
         late = threading.Event()
-        timer = threading.Timer(time_limit, lambda: (late.set(), self.process.kill()))
+
+        def stop() -> None:
+            late.set()
+            self.process.kill()
+
+        timer = threading.Timer(time_limit, stop)
         timer.daemon = True
         timer.start()
         try:
-            self.process.stdin.write(work)
-            self.process.stdin.flush()
-            answer: tuple[bool, Any] = pickle.load(self.process.stdout)
+            self.calls.write(work)
+            self.calls.flush()
+            answer: tuple[bool, Any] = pickle.load(self.answers)
             return answer
         except (EOFError, OSError, pickle.UnpicklingError):
             ending = self.end()
@@ -99,7 +107,7 @@ class _Child:
             self.process.wait(0.2)  # one that is dying says of what
         self.process.kill()
         code = self.process.wait()
-        for pipe in (self.process.stdin, self.process.stdout):
+        for pipe in (self.calls, self.answers):
             with contextlib.suppress(OSError):
                 pipe.close()
         self.folder.cleanup()

@@ -59,7 +59,7 @@ def _statistic(name: str, lasting: float) -> str:
 
 def event_rows(flight: Flight) -> list[tuple[str, ...]]:
     """(time, event, height, airspeed, bank, detail) of everything that happened once."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for event in (*flight.events[:-1][:MOST_EVENTS], *flight.events[-1:]):
         at = min(int(np.searchsorted(flight.time, event.time)), len(flight.time) - 1)
         s = flight.state
@@ -106,8 +106,8 @@ def beside_rows(figures: dict[str, Any]) -> list[tuple[str, str, str, str]]:
     rows = []
     for key, flown, truth in beside(figures):
         name, suffix = split(key)
-        shown = [words(it) if isinstance(it, str) else number(it) for it in (flown, truth)]
-        rows.append((name, *shown, suffix))
+        ours, theirs = (words(it) if isinstance(it, str) else number(it) for it in (flown, truth))
+        rows.append((name, ours, theirs, suffix))
     return rows
 
 

@@ -159,8 +159,16 @@ def _curves(compared: Any, plots: Any, edges: list[tuple[int, int]]) -> Curves:
     looked = seen.any(axis=1) if seen.any() else np.ones(len(squares), bool)
     rmse, sigma = np.sqrt(pooled(squares, edges)), np.sqrt(pooled(spread, edges))
     anees = pooled(comparison.normalised(compared), edges) / dimension
-    curves = (_finite(curve) for curve in (rmse, sigma, raw, low, high, np.sqrt(p95), anees))
-    return Curves(*curves, squares[looked].mean(axis=0))
+    return Curves(
+        _finite(rmse),
+        _finite(sigma),
+        _finite(raw),
+        _finite(low),
+        _finite(high),
+        _finite(np.sqrt(p95)),
+        _finite(anees),
+        squares[looked].mean(axis=0),
+    )
 
 
 def _finite(values: np.ndarray) -> np.ndarray:

@@ -87,7 +87,7 @@ def _draw(
     (left, right), (low, high) = sorted(axes.get_xlim()), sorted(axes.get_ylim())
 
     def inside(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        return (x > left) & (x < right) & (y > low) & (y < high)
+        return np.asarray((x > left) & (x < right) & (y > low) & (y < high))
 
     for what, colour, size in (("false plots", "#D6D6D6", 1.6), ("plots", "#A8A8A8", 2.2)):
         for index, (x, y) in enumerate(plots[what]):

@@ -61,7 +61,7 @@ def credibility(flight: Flight, followed: list[Followed]) -> Any | None:
     """Figure with a panel for each tracker: 95 % of its signed errors against +-2 sigma of its own covariance."""
     from matplotlib.ticker import FuncFormatter
 
-    channel = next((c for c in ("cross_track_m", *shown_channels(followed)) if c != "position_m"), None)
+    channel = next((c for c in ("cross_track_m", *shown_channels(followed)) if c != "position_m"), "")
     shown = [one for one in followed if channel in one.curves]
     if not shown:
         return None
@@ -163,8 +163,8 @@ def error_by_phase(flight: Flight, trackers: dict[str, Any], followed: list[Foll
         axes.grid(False, axis="x")
         axes.set_ylabel(_label(channel, "RMSE"))
         logarithmic(axes, *sizes)
-        top = axes.get_ylim()[1]
-        axes.set_ylim(max(0.6 * min(sizes), top / 10**DECADES), top)
+        highest = axes.get_ylim()[1]
+        axes.set_ylim(max(0.6 * min(sizes), highest / 10**DECADES), highest)
         axes.set_xlim(-0.55, len(flown) - 0.45)
     legend(figure, panels[0], followed)
     return figure
