@@ -4,14 +4,15 @@ BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help demo test lint acceptance tutorials uses bench soak fleet clean
+.PHONY: help demo test lint acceptance tutorials uses extending bench soak fleet clean
 
 help:
 	@echo "make demo        fly the bundled An-26 approach and write its report"
 	@echo "make test        lint and run the tests"
 	@echo "make acceptance  measure every required figure at full size"
 	@echo "make tutorials   run the tutorials and renew what they print and draw"
-	@echo "make uses        run what the README shows and renew its transcripts and figures"
+	@echo "make uses        run what README and docs show and renew transcripts and figures"
+	@echo "make extending   renew the files that docs/extending.md quotes"
 	@echo "make fleet       fly every stock aircraft of JSBSim and renew the table of list --aircraft"
 	@echo "make bench       measure speed, as ratios within one run"
 	@echo "make soak        kill workers and parents of studies and compare what is left"
@@ -41,6 +42,9 @@ tutorials: .venv/ready
 
 uses: .venv/ready
 	$(BIN)/python tests/docs/uses.py
+
+extending: .venv/ready
+	$(BIN)/python tests/docs/extending.py
 
 fleet: .venv/ready
 	$(BIN)/python -m sim.cli.fleet

@@ -1,5 +1,13 @@
 """The airframe: six-degree-of-freedom flight by JSBSim, and the point mass of the papers behind the same interface.
 
+- ``state``: what passes to and from autopilot and sensors; ``units``: suffix -> SI; ``errors``: sentences for users
+- ``model_files``, ``safe_xml``, ``repairs``, ``loading``: from somebody's model to one that can be flown here;
+  ``data``, ``landing_gear``, ``runway``: what is known besides; ``models``: aircraft of our own, made by ``handbook``
+- ``executive``, ``properties``, ``power_plant``, ``airframe``: JSBSim for one flight; ``point_mass``: the papers' own
+- ``trim``, ``minimum_speed``, ``slowest``, ``linearise``, ``modes``, ``actuators``: what is computed from an airframe
+- ``wind``, ``wind_shear``, ``turbulence``, ``turbulence_intensity``: the air; ``wind_events``: one file for each kind,
+  ``wind_event`` their contract
+
 Conventions of motion, used by every package
 ---------------------------------------------
 **Units.** SI, radians, seconds. Feet, pounds and degrees exist only in ``properties`` and in the model files.

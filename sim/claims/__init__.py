@@ -1,4 +1,9 @@
-"""The claims of the papers, each measured and judged by one rule; a paper is one file that lists its claims."""
+"""The claims of the papers, each measured and judged by one rule; a paper is one folder of `sim.claims.papers`.
+
+``verdict`` is the rule, ``ledger`` a claim with all its readings and its row, ``plots`` a figure as numbers; ``table``
+and ``page`` show them, ``row_cache`` lets an interrupted ledger go on. ``jsbsim_flights``, ``angle_channel`` and
+``manoeuvre_variance`` are what several papers share.
+"""
 
 from __future__ import annotations
 
@@ -42,9 +47,10 @@ def measured(
     folder: Path | None = None,
     second: SecondProcess = ALONE,
 ) -> list[Any]:
-    """Rows of the ledger; ``progress`` wraps the work as `sim.progress.bar` does, a second process takes a part of it.
+    """Rows of the ledger; ``progress`` wraps the work as `sim.cli.progress.bar` does.
 
-    Rows are kept in ``folder`` until the pages are written there: an interrupted ledger goes on where it was stopped.
+    A second process takes a part of it. Rows are kept in ``folder`` until the pages are written there: an interrupted
+    ledger goes on where it was stopped.
     """
     from sim.claims import row_cache as kept
     from sim.claims.ledger import Row

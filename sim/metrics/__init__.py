@@ -1,1 +1,7 @@
-"""Judge: signals and figures of a flight, errors of a tracker, and the checks that hold them against limits."""
+"""Judge: figures of a flight and of its trackers, and the checks that hold them against limits.
+
+``signals`` are what can be asked of a flight at every instant, ``flight`` its figures, ``table`` one row for each of
+them; ``windshear`` what the air takes. ``comparison`` brings truth and estimates to common channels, ``tracker`` counts
+the errors there, ``conformance`` asks whether the law is followed, ``navigation`` how good the estimate was that was
+flown on. ``checks`` are limits with their margins, ``warnings`` what a reader should know besides.
+"""

@@ -1,4 +1,4 @@
-"""What README.md and the tutorials tell the reader to type: commands parse, names are bundled, tables are scenarios."""
+"""What the pages tell the reader to type: commands parse, names are bundled, tables are scenarios."""
 
 from __future__ import annotations
 
@@ -18,7 +18,12 @@ from sim.scenario.reading import read
 
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
-PAGES = (README, *sorted((ROOT / "docs" / "tutorials").glob("*.md")))
+PAGES = (
+    README,
+    ROOT / "CONTRIBUTING.md",
+    *sorted((ROOT / "docs" / "tutorials").glob("*.md")),
+    *(ROOT / "docs" / f"{name}.md" for name in ("architecture", "choosing-a-tracker", "extending")),
+)
 TEXTS = {page.name: page.read_text(encoding="utf-8") for page in PAGES}
 BLOCKS = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -53,9 +58,9 @@ def test_a_command_is_one(words):
 
 
 def test_bundled_names_are_bundled():
-    """A name in the README that begins like one of ours is one."""
+    """A name in a page that begins like one of ours is one."""
     bundled = {*catalogue.scenarios(), *catalogue.studies()}
-    named = set(re.findall(rf"`((?:an26|{'|'.join(PAPERS)})_\w+)`", TEXTS[README.name]))
+    named = set(re.findall(rf"`((?:an26|{'|'.join(PAPERS)})_\w+)`", "\n".join(TEXTS.values())))
     assert named
     assert named - bundled == set()
 

@@ -1,6 +1,6 @@
-"""The three uses that the README shows: ``make uses`` runs them and renews their transcripts and figures.
+"""The uses that README.md and docs show: ``make uses`` runs them and renews their transcripts and figures.
 
-A transcript stands in README.md behind ``<!-- transcript: NAME -->``; its figure is one chart of the report that the
+A transcript stands in its page behind ``<!-- transcript: NAME -->``; its figure is one chart of the report that the
 commands wrote, kept in docs/figures.
 """
 
@@ -20,6 +20,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[2]
 FIGURES = ROOT / "docs" / "figures"
 README = ROOT / "README.md"
+CHOOSING = ROOT / "docs" / "choosing-a-tracker.md"
 
 APPROACH = """\
 name = "crosswind"
@@ -73,8 +74,10 @@ class Use(NamedTuple):
     name: str
     files: dict[str, str]
     commands: tuple[str, ...]
-    report: str
-    chart: str
+    report: str = ""
+    chart: str = ""  # of the report; "" = none is shown
+    page: Path = README
+    until: str = ""  # the transcript ends before the line that begins so
 
 
 USES = (
@@ -99,6 +102,20 @@ USES = (
         "kept/crosswind/report.html",
         "Bank and its limits",
     ),
+    Use(
+        "captured",
+        {},
+        ("shortfinal run vasylyev2003_jsbsim -o out/captured",),
+        page=CHOOSING,
+        until="Conformance",
+    ),
+    Use(
+        "pattern",
+        {},
+        ("shortfinal run an26_pattern -o out/pattern",),
+        page=CHOOSING,
+        until="Conformance",
+    ),
 )
 
 
@@ -122,7 +139,8 @@ def transcript(use: Use, folder: Path) -> str:
         if done.returncode not in (0, 1):
             raise RuntimeError(f"{command}:\n{done.stdout}{done.stderr}")
         shown += [f"$ {command}", (done.stdout + done.stderr).rstrip()]
-    return "\n".join(shown)
+    text = "\n".join(shown)
+    return text.partition(f"\n{use.until}")[0].rstrip() if use.until else text
 
 
 def chart(report: Path, title: str) -> bytes:
@@ -137,7 +155,7 @@ def renewed(page: str, name: str, text: str) -> str:
     """The page with another transcript."""
     pattern = re.compile(rf"(<!-- transcript: {name} -->\n```\n).*?(^```\n)", re.DOTALL | re.MULTILINE)
     if not pattern.search(page):
-        raise RuntimeError(f"README.md has no place for the transcript '{name}'")
+        raise RuntimeError(f"there is no place for the transcript '{name}'")
     return pattern.sub(lambda found: f"{found[1]}{text}\n{found[2]}", page)
 
 
@@ -149,8 +167,9 @@ def main() -> None:
             continue
         with tempfile.TemporaryDirectory() as place:
             text = transcript(use, Path(place))
-            (FIGURES / f"{use.name}.svg").write_bytes(chart(Path(place) / use.report, use.chart))
-        README.write_text(renewed(README.read_text(), use.name, text))
+            if use.chart:
+                (FIGURES / f"{use.name}.svg").write_bytes(chart(Path(place) / use.report, use.chart))
+        use.page.write_text(renewed(use.page.read_text(), use.name, text))
         print(text)
 
 

@@ -1,1 +1,5 @@
-"""One folder for each paper: its claims, the experiments that measure them, and its figures redrawn."""
+"""One folder for each paper.
+
+``claims`` are its sentences with all their readings, ``experiment`` what measures them, ``figures`` its figures redrawn
+from our own runs.
+"""

@@ -1,1 +1,5 @@
-"""Figures of a flight: each is a function that draws one chart of the page."""
+"""Figures of a flight, one function each; ``flight`` calls them in the order of the page.
+
+``plan_view``, ``vertical_profile``, ``histories`` (bank, speed, airframe, deviations), ``phase_portrait`` and
+``weather`` draw; ``style`` is how all figures look, ``curves``, ``deviations`` and ``thinning`` are what several share.
+"""

@@ -1,1 +1,6 @@
-"""Words and rows of the page: the sentence of the outcome, tables, labels and sources."""
+"""Words of the page.
+
+``labels`` turn names with unit suffixes into words and numbers into digits; ``header`` is the first screen, with
+``outcome_sentence`` and ``best_tracker``; ``rows`` and ``tracker_tables`` are its tables; ``references`` are the
+equations, papers and errata of what ran.
+"""

@@ -1,1 +1,5 @@
-"""Kychak 2011: angle measurements of varying accuracy, two and N hypotheses."""
+"""Kychak 2011: two hypotheses on the accuracy of every measured angle, and anomalies that come in bursts.
+
+``experiment`` draws anomalies, on its own model and on a flown glide path; ``claims`` measures, ``figures`` redraws
+figures 3 to 5 and 8 to 10.
+"""

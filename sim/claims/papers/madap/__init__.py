@@ -1,1 +1,5 @@
-"""MADAP: the accuracies that an approach monitor is asked for."""
+"""MADAP, an outside judge: the published errors of operational trackers beside those of ours.
+
+``experiment`` flies its sixteen manoeuvres, seen by one radar or by several; ``claims`` measures, ``figures`` shows the
+flights.
+"""
