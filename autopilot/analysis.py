@@ -40,12 +40,6 @@ def poles(law: LateralNavigation) -> tuple[complex, complex]:
     return complex(one), complex(other)
 
 
-def frequency_and_damping(law: LateralNavigation) -> tuple[float, float]:
-    """Natural frequency (rad/s) and damping ratio inside the limits."""
-    frequency = math.sqrt(STANDARD_GRAVITY * law.k1)
-    return frequency, STANDARD_GRAVITY * law.k2 / (2.0 * frequency)
-
-
 def predict_linear(law: LateralNavigation, cross_track: float, cross_track_rate: float, time: Any) -> Prediction:
     """The law without limits on the double integrator, exactly [Vasylyev 2003, eq. (7)]."""
     F = closed_loop(law)

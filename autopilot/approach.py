@@ -52,7 +52,8 @@ class ApproachState(NamedTuple):
 class Approach:
     """Flies a route under a bank law, and lands at the end of its last leg when a landing is given.
 
-    ``law`` gives the bank command from the deviation; its limits are its own. ``begin`` and ``step`` pass the state.
+    ``law`` gives the bank command from the deviation; its limits are its own (``autopilot/mode.py``; of a mode it needs
+    ``bank_limit``, ``__call__`` and ``check_convergence``). ``begin`` and ``step`` pass the state.
     """
 
     route: Annotated[Route, "given"]
@@ -81,7 +82,7 @@ class Approach:
                 raise ValueError(f"{name} of the autopilot must be positive, not {getattr(self, name)}")
         route, law = self.route, self.law
         route.check_turns(law.bank_limit)
-        if hasattr(law, "check_convergence") and not self.allow_orbit:
+        if not self.allow_orbit:
             ground_speed = min(leg.speed for leg in route.legs) - math.hypot(*route.wind)
             law.check_convergence(ground_speed, self.offset, turns=len(route.legs) > 1)
         reach, slow = [], []

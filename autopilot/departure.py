@@ -5,6 +5,7 @@ What watches the aircraft is not told. Speed, height and the sequence of legs st
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -24,6 +25,9 @@ class HeldBank:
         """Bank command, rad."""
         return self.bank
 
+    def check_convergence(self, ground_speed: float, offset: float = math.inf, turns: bool = False) -> None:
+        """Nothing: the crew knows that it leaves the leg."""
+
 
 @dataclass(frozen=True)
 class Displaced:
@@ -41,6 +45,10 @@ class Displaced:
     def __call__(self, deviation: PathDeviation) -> Any:
         """Bank command, rad."""
         return self.law(deviation._replace(cross_track=deviation.cross_track - self.offset))
+
+    def check_convergence(self, ground_speed: float, offset: float = math.inf, turns: bool = False) -> None:
+        """As the law."""
+        self.law.check_convergence(ground_speed, offset, turns)
 
 
 @dataclass(frozen=True)

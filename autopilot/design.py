@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import expm, solve_continuous_are
 
 from aircraft.state import STANDARD_GRAVITY
-from autopilot.modes.lateral_navigation import LateralNavigation
+from autopilot.modes.lateral_navigation import RATE_MARGIN, LateralNavigation
 
 # Bryson weights: the deviation that is as bad as every other one in the list
 AIRSPEED, ANGLE_OF_ATTACK, PITCH_RATE, PITCH, HEIGHT = 2.0, math.radians(8), math.radians(5), math.radians(5), 4.0
@@ -35,7 +35,6 @@ LAW_SHARE = 1.0 / 6.0  # of the bandwidth of the bank loop: fastest natural freq
 BANK_SHARE = 0.85  # of the bank limit that an undisturbed intercept may use
 LAW_DAMPING = 0.95
 INTERCEPT = math.radians(30.0)
-RATE_MARGIN = 1.1  # of cross_track_rate_limit over what the turn between two legs needs
 
 SCHEDULED = (
     *("angle_of_attack", "elevator", "throttle", "throttle_per_slope"),

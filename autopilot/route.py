@@ -57,15 +57,15 @@ class ArrayDeviation:
             return self.track_error
         return np.mod(self._off_course + np.pi, 2 * np.pi) - np.pi
 
-    def of_last(self, batch: int) -> ArrayDeviation:
-        """That of the last hypothesis, of an axis before ``batch`` axes of runs; its angles are worked out alone."""
-        last = (..., slice(-1, None), *(slice(None),) * batch)
-        off_course = None if self._off_course is None else self._off_course[last]
+    def of_hypotheses(self, which: slice, batch: int) -> ArrayDeviation:
+        """That of some hypotheses, of an axis before ``batch`` axes of runs; its angles are worked out alone."""
+        among = (..., which, *(slice(None),) * batch)
+        off_course = None if self._off_course is None else self._off_course[among]
         return ArrayDeviation(
-            self.cross_track[last],
-            self.cross_track_rate[last],
-            self.distance_to_go[last],
-            self._along_rate[last],
+            self.cross_track[among],
+            self.cross_track_rate[among],
+            self.distance_to_go[among],
+            self._along_rate[among],
             off_course,
         )
 

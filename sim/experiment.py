@@ -45,7 +45,7 @@ def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
 def _fly(prepared: Prepared, number: int) -> Flight:
     flight = flights.fly(
         prepared.vehicle,
-        prepared.pilot,
+        prepared.controller,
         prepared.initial,
         prepared.wind(number),
         prepared.limits,

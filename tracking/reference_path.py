@@ -105,10 +105,10 @@ class LineDeviation(NamedTuple):
         """The same: the line knows no wind."""
         return self.track_error
 
-    def of_last(self, batch: int) -> LineDeviation:
-        """That of the last hypothesis, of an axis before ``batch`` axes of runs."""
-        last = (..., slice(-1, None), *(slice(None),) * batch)
-        return self._replace(cross_track=self.cross_track[last], cross_track_rate=self.cross_track_rate[last])
+    def of_hypotheses(self, which: slice, batch: int) -> LineDeviation:
+        """That of some hypotheses, of an axis before ``batch`` axes of runs."""
+        among = (..., which, *(slice(None),) * batch)
+        return self._replace(cross_track=self.cross_track[among], cross_track_rate=self.cross_track_rate[among])
 
 
 @dataclass(frozen=True)

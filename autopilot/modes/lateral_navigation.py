@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 
+from aircraft.state import STANDARD_GRAVITY
+from autopilot.mode import DesignCase, LimitedInput, Mode
 from autopilot.saturation import saturate
+
+RATE_MARGIN = 1.1  # of cross_track_rate_limit over what the turn between two legs needs
 
 
 @dataclass(frozen=True)
@@ -24,16 +29,71 @@ class LateralNavigation:
     cross_track_limit: Annotated[Any, "m"]
     cross_track_rate_limit: Annotated[Any, "m/s"]
 
+    intent: ClassVar[str] = "route law"
+    standard: ClassVar[bool] = True
+    intercept: ClassVar[tuple[str, ...]] = ("cross_track_limit", "cross_track_rate_limit")
+
     def __post_init__(self) -> None:
         for name in ("k1", "k2", "bank_limit", "cross_track_limit", "cross_track_rate_limit"):
             if not np.all(np.asarray(getattr(self, name)) > 0.0):
                 raise ValueError(f"{name} of the lateral navigation law must be positive, not {getattr(self, name)}")
+
+    @classmethod
+    def designed(cls, given: dict[str, Any], case: DesignCase) -> Self:
+        """Gains and limits from what bank loop and bank limit allow, unless a file sets them [Vasylyev 2003, eq. (4)].
+
+        The limit of the rate follows the others: it leaves the whole bank to the turn between two legs.
+        """
+        k1, k2 = given.get("k1", case.k1), given.get("k2", case.k2)
+        limit = given.get("cross_track_limit", case.cross_track_limit)
+        rate_limit = given.get("cross_track_rate_limit")
+        if rate_limit is None:
+            rate_limit = RATE_MARGIN * (k1 * limit + case.bank_limit) / k2
+        return cls(k1, k2, case.bank_limit, limit, rate_limit)
+
+    @classmethod
+    def of(cls, law: Mode) -> Self | None:
+        """Any mode written as this law, which theory knows; None for one that does something else."""
+        inputs = law.limits()
+        if [one.of for one in inputs] != ["cross_track", "cross_track_rate"]:
+            return None
+        position, rate = inputs
+        if not (position.gain > 0.0 and rate.gain > 0.0):
+            return None
+        return cls(position.gain, rate.gain, law.bank_limit, position.limit, rate.limit)
 
     def __call__(self, deviation: Any) -> Any:
         """Bank command, rad, for ``deviation.cross_track`` (m) and ``deviation.cross_track_rate`` (m/s)."""
         position = saturate(deviation.cross_track, self.cross_track_limit)
         rate = saturate(deviation.cross_track_rate, self.cross_track_rate_limit)
         return saturate(-self.k1 * position - self.k2 * rate, self.bank_limit)
+
+    def limits(self) -> tuple[LimitedInput, ...]:
+        """Cross-track and its rate."""
+        return (
+            LimitedInput("cross_track", self.k1, self.cross_track_limit),
+            LimitedInput("cross_track_rate", self.k2, self.cross_track_rate_limit),
+        )
+
+    def explain(self) -> str:
+        """Equation, gains, limits, and what it does inside them."""
+        return (
+            f"bank = c{{-k1 c1{{z}} - k2 c2{{z'}}}} [Vasylyev 2003, eq. (4)]: k1 {math.degrees(self.k1):.4f} deg/m, "
+            f"k2 {math.degrees(self.k2):.3f} deg/(m/s)\n"
+            f"limits: bank {math.degrees(self.bank_limit):.1f} deg, cross-track {self.cross_track_limit:.0f} m, rate "
+            f"{self.cross_track_rate_limit:.1f} m/s; intercept speed {self.intercept_speed:.1f} m/s\n"
+            f"inside the limits: {self.frequency:.3f} rad/s, damping {self.damping:.2f}"
+        )
+
+    @property
+    def frequency(self) -> float:
+        """Natural frequency inside the limits, rad/s."""
+        return math.sqrt(STANDARD_GRAVITY * self.k1)
+
+    @property
+    def damping(self) -> float:
+        """Damping ratio inside the limits."""
+        return float(STANDARD_GRAVITY * self.k2 / (2.0 * self.frequency))
 
     @property
     def intercept_speed(self) -> Any:

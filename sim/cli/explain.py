@@ -8,7 +8,6 @@ from aircraft.airframe import load
 from aircraft.linearise import linearise
 from aircraft.modes import LEVEL_SOURCE, flying_qualities, modes
 from aircraft.trim import TrimError, trim
-from autopilot.analysis import frequency_and_damping
 from autopilot.limit_cycles import caught, least_offset, limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
@@ -111,22 +110,10 @@ def _aircraft(prepared: Prepared) -> str:
 
 
 def _law(prepared: Prepared) -> str:
-    law, bank_limit = prepared.law, math.degrees(prepared.law.bank_limit)
-    if not isinstance(law, LateralNavigation):
-        return (
-            f"bank = c{{k3 c3{{eps}} - k4 dpsi}} [Vasylyev 2003, eq. (5)]: k3 {law.k3:.3g}, k4 {law.k4:.3g}, "
-            f"bank limit {bank_limit:.1f} deg, bearing limit {math.degrees(law.bearing_limit):.2f} deg, "
-            f"on the {law.course}"
-        )
-    frequency, damping = frequency_and_damping(law)
-    return (
-        f"bank = c{{-k1 c1{{z}} - k2 c2{{z'}}}} [Vasylyev 2003, eq. (4)]: k1 {math.degrees(law.k1):.4f} deg/m, "
-        f"k2 {math.degrees(law.k2):.3f} deg/(m/s)\n"
-        f"limits: bank {bank_limit:.1f} deg, cross-track {law.cross_track_limit:.0f} m, rate "
-        f"{law.cross_track_rate_limit:.1f} m/s; intercept speed {law.intercept_speed:.1f} m/s\n"
-        f"inside the limits: {frequency:.3f} rad/s, damping {damping:.2f}; bank loop "
-        f"{prepared.designed.bank_bandwidth:.2f} rad/s"
-    ) + (f"\n{_route_loop(prepared, law)}" if has_route_loop(prepared) else "")
+    """What the law says of itself, and where it is a route law that flies an aircraft, what theory says of the loop."""
+    text = f"{prepared.law.explain()}; bank loop {prepared.designed.bank_bandwidth:.2f} rad/s"
+    route_law = LateralNavigation.of(prepared.law)
+    return f"{text}\n{_route_loop(prepared, route_law)}" if route_law and has_route_loop(prepared) else text
 
 
 def _route_loop(prepared: Prepared, law: LateralNavigation) -> str:

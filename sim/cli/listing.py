@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import tomllib
-from importlib import resources
 from typing import Any
 
 from sim.scenario import catalogue
@@ -34,7 +33,7 @@ def kind_lines() -> list[str]:
         package, _ = catalogue.FOLDERS[family]
         rows = []
         for kind in catalogue.kinds(family):
-            text = (resources.files(package) / f"{kind}.py").read_text()
+            text = Path(find_spec(f"{package}.{kind}").origin).read_text()  # type: ignore[union-attr, arg-type]
             rows.append((kind, (ast.get_docstring(ast.parse(text)) or "").splitlines()[0]))
         lines += [title, *(f"  {line}" for line in _aligned(rows)), ""]
     return lines[:-1]

@@ -44,8 +44,8 @@ def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, st
         raise ScenarioError(f"[trackers.{name}.law] kind '{choice.kind}' uses no law")
     if "law" in wanted:
         supplied["law"], law_from = _told(prepared.law, name, choice)
-    if "other_law" in wanted:
-        supplied["other_law"] = prepared.other_law
+    if "alternative_laws" in wanted:
+        supplied["alternative_laws"] = prepared.alternative_laws
     if "route" in wanted:
         supplied["route"] = prepared.route
     if "measurement" in wanted:

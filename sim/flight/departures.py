@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from typing import Any
 
 from autopilot.approach import Approach
@@ -12,18 +13,20 @@ from sim.flight.record import Event, Flight
 from sim.scenario.tables import Departure
 
 
-def pilot(autopilot: Approach, beacon: Any, route: Any, departures: tuple[Departure, ...]) -> Approach | Departing:
-    """The autopilot, as long as it is not left; ``beacon`` and ``route`` are the laws of its two modes."""
+def controller(
+    autopilot: Approach, law_called: Callable[[str], Any], departures: tuple[Departure, ...]
+) -> Approach | Departing:
+    """The autopilot, as long as it is not left; ``law_called`` gives the law of a mode by its name."""
     if not departures:
         return autopilot
-    laws = {"beacon": beacon, "route": route}
     later = []
     for one in sorted(departures, key=lambda departure: departure.at):
-        law = laws.get(one.flies)
         if one.bank is not None:
-            law = HeldBank(one.bank, autopilot.law.bank_limit)
+            law: Any = HeldBank(one.bank, autopilot.law.bank_limit)
         elif one.offset is not None:
             law = Displaced(autopilot.law, one.offset)
+        else:
+            law = law_called(one.flies)
         later.append((one.at, dataclasses.replace(autopilot, law=law)))
     return Departing(autopilot, tuple(later))
 
@@ -44,4 +47,4 @@ def in_words(departure: Departure) -> str:
         return f"flown by hand, {held}"
     if departure.offset is not None:
         return f"the law flies {abs(departure.offset):.0f} m {'right' if departure.offset > 0.0 else 'left'} of the leg"
-    return f"the {departure.flies} law flies"
+    return f"the {departure.flies.replace('_', ' ')} law flies"

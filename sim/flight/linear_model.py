@@ -14,14 +14,14 @@ from sim.flight.vehicles import JsbsimVehicle, operating_point
 
 def has_route_loop(prepared: Prepared) -> bool:
     """Whether a route law flies an aircraft that has inner loops."""
-    return isinstance(prepared.law, LateralNavigation) and isinstance(prepared.vehicle, JsbsimVehicle)
+    return LateralNavigation.of(prepared.law) is not None and isinstance(prepared.vehicle, JsbsimVehicle)
 
 
 def scenario_loop(prepared: Prepared) -> RouteLoop:
     """The loop that flies the leg on which the flight begins; raises ``ScenarioError`` where there is none."""
     if not has_route_loop(prepared):
         name = prepared.scenario.name
-        raise ScenarioError(f"{name}: margins need a JSBSim aircraft under the law 'lateral_navigation'")
+        raise ScenarioError(f"{name}: margins need a JSBSim aircraft under a route law, such as 'lateral_navigation'")
     vehicle, leg = prepared.vehicle, prepared.route.legs[prepared.initial.leg]
     airframe = load(vehicle.model, vehicle.mass, vehicle.centre_of_gravity_mac, vehicle.factors, vehicle.runway)
     point = operating_point(airframe, leg.speed, leg.height, prepared.autopilot.flaps, prepared.autopilot.gear)

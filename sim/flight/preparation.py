@@ -14,19 +14,20 @@ from aircraft.errors import FlightError, ModelError, TrimError
 from aircraft.slowest import complete
 from autopilot.approach import PHASES, Approach, Landing
 from autopilot.departure import Departing
-from autopilot.design import RATE_MARGIN, Designed, law_of_frequency
+from autopilot.design import Designed, law_of_frequency
 from autopilot.estimate_lag import softened
+from autopilot.mode import DesignCase, Mode, missing
 from autopilot.modes.lateral_navigation import LateralNavigation
-from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, Route, pattern_route
 from autopilot.stabilised_gate import StabilisedGate
-from sim.errors import ScenarioError
+from sim.errors import ScenarioError, did_you_mean
 from sim.flight import departures
 from sim.flight.outcomes import Limits
 from sim.flight.vehicles import Configuration, Initial, JsbsimVehicle, PointMassVehicle, designed, designed_point_mass
 from sim.flight.weather import air
 from sim.metrics import checks
 from sim.randomness import Streams
+from sim.scenario import catalogue
 from sim.scenario.messages import told
 from sim.scenario.model import Scenario
 from sim.scenario.tables import PatternTable
@@ -54,10 +55,9 @@ class Prepared:
     warnings: tuple[str, ...]
 
     @property
-    def pilot(self) -> Approach | Departing:
+    def controller(self) -> Approach | Departing:
         """What flies: the autopilot, and from stated times on what it is left for."""
-        beacon, route = (self.law, self.other_law) if isinstance(self.law, RadioBeacon) else (self.other_law, self.law)
-        return departures.pilot(self.autopilot, beacon, route, self.scenario.departures)
+        return departures.controller(self.autopilot, self.law_called, self.scenario.departures)
 
     @property
     def departure(self) -> float | None:
@@ -70,16 +70,43 @@ class Prepared:
         return self.autopilot.route
 
     @property
-    def law(self) -> Any:
+    def law(self) -> Mode:
         """The law that flies it."""
-        return self.autopilot.law
+        law: Mode = self.autopilot.law
+        return law
 
     @property
-    def other_law(self) -> Any:
-        """The law of the autopilot's other mode, as designed: it could be flown instead."""
-        if isinstance(self.law, RadioBeacon):
-            return self.designed.law
-        return _beacon_law({}, self.designed, self.route)
+    def alternative_laws(self) -> tuple[Mode, ...]:
+        """The laws that the autopilot could be switched to: of its other standard modes, as designed.
+
+        Modes that are not standard are not among them, so that a part brought in changes no scenario but those that
+        name it; nor are laws that those who watch could not tell by their name from one before.
+        """
+        laws: dict[str, Mode] = {self.law.intent: self.law}
+        for kind in catalogue.kinds("modes"):
+            mode = _mode(kind)
+            if mode.standard and mode.intent not in laws:
+                laws[mode.intent] = mode.designed({}, self.case)
+        return tuple(laws.values())[1:]
+
+    @property
+    def case(self) -> DesignCase:
+        """What a law of this flight is designed for."""
+        return _case(self.scenario, self.designed, self.route)
+
+    def law_called(self, name: str) -> Mode:
+        """The law of a mode by its kind or by its intent without the word "law"; as it flies, else as designed.
+
+        Raises ``ValueError`` where no mode is called so.
+        """
+        kinds = catalogue.kinds("modes")
+        named = [name] if name in kinds else [kind for kind in kinds if _mode(kind).intent == f"{name} law"]
+        if self.scenario.mode in named:
+            return self.law
+        if not named:
+            short = [_mode(kind).intent.removesuffix(" law") for kind in kinds]
+            raise ValueError(f"flies: no law '{name}'; {did_you_mean(name, ['bank', 'offset', *short, *kinds])}")
+        return _mode(named[0]).designed({}, self.case)
 
     @property
     def phases(self) -> tuple[str, ...]:
@@ -114,8 +141,10 @@ def _prepared(scenario: Scenario) -> Prepared:
         turn_speed = min(leg.speed for leg in route.legs)
         lead = gains.time_to_roll(turn_speed, scenario.autopilot.roll_rate_limit)
         route = dataclasses.replace(route, time_to_roll=lead)
+        place = "[autopilot]"
+        mode = _mode(scenario.mode)
         place = "[autopilot.law]"
-        law = _law(scenario, gains, route)
+        law = _law(scenario, mode, _case(scenario, gains, route))
         place = "[autopilot]"
         if landing is not None:
             landing = dataclasses.replace(landing, sideslip_bank=gains.bank_per_sideslip)
@@ -137,7 +166,7 @@ def _prepared(scenario: Scenario) -> Prepared:
         place = "[[departures]]"
         limits = Limits(scenario.until, scenario.runway)
         prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, _warnings(scenario, aircraft))
-        _ = prepared.pilot  # it can be left like that, or says why not
+        _ = prepared.controller  # it can be left like that, or says why not
     except (ModelError, TrimError, FlightError, ValueError) as error:
         raise ScenarioError(told(scenario.name, [f"{place} {error}"])) from None
     except ArithmeticError as error:
@@ -263,34 +292,35 @@ def _designed(
     )
 
 
-def _law(scenario: Scenario, gains: Designed, route: Route) -> Any:
+def _mode(kind: str) -> type[Mode]:
+    """The class of a mode; raises ``ValueError`` for a file that does not keep the contract."""
+    try:
+        cls = catalogue.load("modes", kind)
+    except TypeError as error:
+        raise ValueError(str(error)) from None
+    lacking = missing(cls)
+    if lacking:
+        names = ", ".join(f"'{name}'" for name in lacking)
+        raise ValueError(f"kind '{kind}' is no whole mode, it lacks {names}; autopilot/mode.py says what they are")
+    return cls
+
+
+def _case(scenario: Scenario, gains: Designed, route: Route) -> DesignCase:
+    """What a law is designed for: the route law of the design, or that of the frequency which the file sets."""
+    bank_limit, speed = scenario.autopilot.bank_limit, max(leg.speed for leg in route.legs)
+    share = scenario.autopilot.frequency_share
+    base = gains.law if share is None else law_of_frequency(share * gains.bank_bandwidth, speed, bank_limit)
+    return DesignCase(bank_limit, gains.bank_bandwidth, speed, base.k1, base.k2, base.cross_track_limit)
+
+
+def _law(scenario: Scenario, mode: type[Mode], case: DesignCase) -> Mode:
     """The law of the design with what the file sets of it."""
-    given, share, bank_limit = scenario.law, scenario.autopilot.frequency_share, scenario.autopilot.bank_limit
-    if share is not None and (scenario.mode == "radio_beacon" or {"k1", "k2"} & given.keys()):
-        raise ValueError("'frequency_share' sets k1 and k2 of the route law: leave them out, or leave it out")
-    if scenario.mode == "radio_beacon":
-        return _beacon_law(given, gains, route)
-    law: LateralNavigation = dataclasses.replace(gains.law, bank_limit=bank_limit)
-    if share is not None:
-        fastest = max(leg.speed for leg in route.legs)
-        law = law_of_frequency(share * gains.bank_bandwidth, fastest, bank_limit)
-    law = dataclasses.replace(law, **given)
-    if "cross_track_rate_limit" not in given:
-        rate = RATE_MARGIN * (law.k1 * law.cross_track_limit + law.bank_limit) / law.k2
-        law = dataclasses.replace(law, cross_track_rate_limit=rate)
+    law = mode.designed(scenario.law, case)
+    if scenario.autopilot.frequency_share is not None:
+        flown = LateralNavigation.of(law)
+        if flown is None or (flown.k1, flown.k2) != (case.k1, case.k2):
+            raise ValueError("'frequency_share' sets k1 and k2 of the route law: leave them out, or leave it out")
     return law
-
-
-BEACON_DISTANCE = 2000.0  # m; there the stiffness k3/D of the beacon law is that of the designed route law
-
-
-def _beacon_law(given: dict[str, Any], gains: Designed, route: Route) -> RadioBeacon:
-    """Beacon law: stiffness k1 = k3/D, damping k2 = k4/V, intercepts at 30 degrees, where the file is silent."""
-    speed = max(leg.speed for leg in route.legs)
-    k3 = given.get("k3", gains.k1 * BEACON_DISTANCE)
-    k4 = given.get("k4", gains.k2 * speed)
-    limit = given.get("bearing_limit", k4 * math.radians(30.0) / k3)
-    return RadioBeacon(**{**given, "k3": k3, "k4": k4, "bearing_limit": limit, "bank_limit": gains.bank_limit})
 
 
 def _initial(scenario: Scenario, route: Route, flaps: float, landing: Landing | None) -> Initial:

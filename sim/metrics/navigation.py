@@ -13,6 +13,7 @@ import numpy as np
 
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.estimate_lag import bank_lag, standing_lag
+from autopilot.modes.lateral_navigation import LateralNavigation
 from sim.flight.interpolation import truth_at
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
@@ -46,8 +47,8 @@ def navigated(prepared: Prepared, flight: Flight, track: Track | None, judged: d
     found["error_rms_m"] = float(np.sqrt(np.mean(across**2)))
     moved = float(acceleration @ acceleration)
     found["rate_lag_s"] = float((true_rate - rate) @ acceleration / moved) if moved > 0.0 else None
-    law = prepared.law
-    if hasattr(law, "k1"):
+    law = LateralNavigation.of(prepared.law)
+    if law is not None:
         found["rate_lag_stood_s"] = standing_lag(law.k1, law.k2, bank_lag(prepared.designed))
     return {**found, "why": _why(flight, found, _place(flight, prepared, found, across, track))}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
+import pkgutil
 from importlib import resources
 from typing import Any
 
@@ -19,8 +20,8 @@ FOLDERS = {
 def kinds(family: str) -> list[str]:
     """Names of all kinds of a family, without importing any of them."""
     package, _ = FOLDERS[family]
-    files = (file.name for file in resources.files(package).iterdir())
-    return sorted(name[:-3] for name in files if name.endswith(".py") and not name.startswith("_"))
+    found = pkgutil.iter_modules(importlib.import_module(package).__path__)
+    return sorted(module.name for module in found if not module.name.startswith("_"))
 
 
 def load(family: str, kind: str) -> type[Any]:

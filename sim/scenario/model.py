@@ -46,7 +46,7 @@ class Scenario:
     route: PatternTable | LegsTable
     autopilot: AutopilotTable
     mode: str  # kind of law, a file of autopilot/modes
-    law: dict[str, float]  # what the file sets of it, SI; the rest is designed
+    law: dict[str, Any]  # what the file sets of it, SI; the rest is designed
     designed: dict[str, Any] | None  # gains as they travel to workers
     wind: WindTable
     sensors: dict[str, Any]

@@ -138,12 +138,17 @@ def construct(cls: type, table: dict[str, Any], **given: Any) -> Any:
 
     Raises ``ValueError`` in the class's own words when a value is out of its range.
     """
-    values = dict(given)
-    for parameter in parameters(cls):
-        for key, factor in parameter.keys.items():
-            if table.get(key) is not None:
-                values[parameter.attribute] = _to_si(parameter.kind, table[key], factor)
-    return cls(**values)
+    return cls(**{**given, **given_values(cls, table)})
+
+
+def given_values(cls: type, table: dict[str, Any]) -> dict[str, Any]:
+    """What a validated table sets of the fields of a class, by field, in SI."""
+    return {
+        parameter.attribute: _to_si(parameter.kind, table[key], factor)
+        for parameter in parameters(cls)
+        for key, factor in parameter.keys.items()
+        if table.get(key) is not None
+    }
 
 
 def _to_si(hint: Any, value: Any, factor: float) -> Any:

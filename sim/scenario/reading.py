@@ -13,7 +13,7 @@ from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import catalogue
 from sim.scenario.messages import faults_of, stem, told
 from sim.scenario.model import Scenario, TrackerChoice
-from sim.scenario.parameters import construct, dump, parameters
+from sim.scenario.parameters import construct, dump, given_values, parameters
 from sim.scenario.schema import ROUTES, file_model, kind_of, parts_of
 from sim.scenario.tables import (
     AircraftChoice,
@@ -158,12 +158,7 @@ def _build(origin: str, tables: dict[str, Any]) -> Scenario:
         "route": table("route", ROUTES[route_kind or "pattern"]),
         "autopilot": _construct(faults, "[autopilot]", AutopilotTable, autopilot_table),
         "mode": mode,
-        "law": {
-            p.attribute: law_table[key] * factor
-            for p in parameters(law_class)
-            for key, factor in p.keys.items()
-            if law_table.get(key) is not None
-        },
+        "law": given_values(law_class, law_table),
         "designed": tables.get("designed"),
         "wind": _construct(faults, "[wind]", WindTable, wind_table, events=events),
         "sensors": sensors,

@@ -285,12 +285,12 @@ class Check:
 class Departure:
     """From a time on the bank follows something else than the law of the autopilot, and no tracker is told.
 
-    ``flies``: the "beacon" law or the "route" law (again), a "bank" that is held by hand, or the law of the autopilot
-    about a line beside the leg ("offset").
+    ``flies``: the "beacon" law, the "route" law (again) or that of any mode by its kind, a "bank" that is held by hand,
+    or the law of the autopilot about a line beside the leg ("offset").
     """
 
     at: Annotated[float, "s"]
-    flies: Literal["beacon", "route", "bank", "offset"]
+    flies: str
     bank: Annotated[float | None, "rad"] = None  # + right
     offset: Annotated[float | None, "m"] = None  # + right of the leg
 

@@ -83,7 +83,7 @@ def test_designed_law_keeps_a_margin_of_bank_and_never_orbits():
     bank_limit = math.radians(15.0)
     for bandwidth, speed in ((2.4, 72.0), (1.2, 85.0), (3.0, 38.0), (0.5, 72.0)):
         law = design.lateral_law(bandwidth, speed, bank_limit)
-        frequency, damping = analysis.frequency_and_damping(law)
+        frequency, damping = law.frequency, law.damping
         assert damping == pytest.approx(0.95)
         assert frequency <= bandwidth / 6.0 + 1e-12
         assert law.intercept_speed == pytest.approx(0.5 * speed)  # sin 30 deg
@@ -95,7 +95,7 @@ def test_designed_law_keeps_a_margin_of_bank_and_never_orbits():
 def test_poles_are_those_of_the_characteristic_equation():
     for pole in analysis.poles(PAPER):
         assert abs(pole**2 + G * PAPER.k2 * pole + G * PAPER.k1) < 1e-15
-    frequency, damping = analysis.frequency_and_damping(PAPER)
+    frequency, damping = PAPER.frequency, PAPER.damping
     assert frequency == pytest.approx(0.0585, abs=5e-5)
     assert damping == pytest.approx(0.731, abs=5e-4)
 

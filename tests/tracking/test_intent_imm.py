@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
+from autopilot.modes.radio_beacon import RadioBeacon
 from tests.tracking.law_truth import (
     BASE_START,
     BASE_TO_FINAL,
@@ -31,6 +32,7 @@ from tests.tracking.law_truth import (
 )
 from tracking.gaussian import Gaussian, Mixture
 from tracking.motion import ConstantVelocity
+from tracking.reference_path import Line
 from tracking.trackers.intent_imm import IntentImm
 from tracking.trackers.kalman import Kalman
 from tracking.trackers.law_ekf import LawEkf
@@ -173,5 +175,39 @@ def test_bad_parameters_are_refused(wrong, words):
 
 
 def test_a_law_without_an_intercept_is_refused():
-    with pytest.raises(ValueError, match="no intercept to identify"):
-        IntentImm(lambda deviation: 0.0, LINE, CROSS_TRACK)
+    @dataclass(frozen=True)
+    class Straight:
+        bank_limit = 0.3
+        intent, intercept = "wings-level law", ()
+
+        def __call__(self, deviation):
+            return 0.0 * deviation.cross_track
+
+    with pytest.raises(ValueError, match="the wings-level law has no limit of its intercept"):
+        IntentImm(Straight(), LINE, CROSS_TRACK)
+
+
+def test_a_law_that_is_called_like_the_told_one_is_no_alternative():
+    with pytest.raises(ValueError, match="an intent of its own, not route law, route law"):
+        IntentImm(NOMINAL, LINE, CROSS_TRACK, alternative_laws=(WIDE,))
+
+
+def test_every_alternative_is_a_hypothesis_that_flies_its_own_law():
+    """Of two alternatives each moves as it would alone."""
+    beacon = RadioBeacon(6.0, 1.2, math.radians(15.0), math.radians(5.0))
+    line, start = Line(100.0, 40e3), Gaussian(np.array([3000.0, 10.0]), np.diag([1e4, 25.0]))
+    heading = replace(beacon, k3=3.0)
+    object.__setattr__(heading, "intent", "another law")
+
+    def moved(*others):
+        tracker = IntentImm(NOMINAL, line, CROSS_TRACK, alternative_laws=others, limit_factors=(1.0,), mean_stay=1e30)
+        state, _ = tracker.step(tracker.begin(start), 4.0, None, None)
+        return tracker.intents, state.mixture.mean
+
+    intents, both = moved(beacon, heading)
+    assert intents == ("route law", "beacon law", "another law", "manual", "manual")
+    for column, law in ((1, beacon), (2, heading)):
+        alone = moved(law)[1]
+        np.testing.assert_allclose(both[:, column], alone[:, 1], rtol=1e-12)
+        np.testing.assert_allclose(both[:, 0], alone[:, 0], rtol=1e-12)
+    assert abs(both[0, 1] - both[0, 2]) > 0.1

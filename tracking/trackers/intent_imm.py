@@ -13,7 +13,6 @@ from tracking.measurement import MeasurementModel
 from tracking.reference_path import Law, Line, Placed, ReferencePath, check_tuning, reference_path, sub_steps, uniform
 from tracking.trackers import law_ekf, route_control
 
-LIMITS = {"cross_track_limit": "route law", "bearing_limit": "beacon law"}  # what sets a far intercept, by law
 MANUAL = "manual"  # the intent of free flight
 
 
@@ -25,10 +24,10 @@ class Intent(NamedTuple):
 
 
 class Bank(NamedTuple):
-    """The told law with its limits over an axis of hypotheses, and another law in the last of them."""
+    """The told law with its limits over an axis of hypotheses, and other laws in the last of them."""
 
     told: Law
-    other: Law
+    others: tuple[Law, ...]
     batch: int  # axes of runs behind that of the hypotheses
 
     @property
@@ -39,13 +38,16 @@ class Bank(NamedTuple):
     def __call__(self, deviation: Any) -> Any:
         """Bank, rad, of every hypothesis."""
         banks = self.told(deviation)
-        banks[(..., slice(-1, None), *(slice(None),) * self.batch)] = self.other(deviation.of_last(self.batch))
+        first = banks.shape[-1 - self.batch] - len(self.others)
+        for number, law in enumerate(self.others, first):
+            one = slice(number, number + 1)
+            banks[(..., one, *(slice(None),) * self.batch)] = law(deviation.of_hypotheses(one, self.batch))
         return banks
 
 
 @dataclass(frozen=True)
 class IntentImm:
-    """The told law at several intercept limits, another law, and free flight with little and with much manoeuvre.
+    """The told law at several intercept limits, other laws, and free flight with little and with much manoeuvre.
 
     Far from the path all that shows of a law is the course at which it intercepts, which the position limit sets (z_max
     of [Vasylyev 2003, eq. (4)], the bearing limit of eq. (5)). So the bank of laws varies that limit alone, and the
@@ -53,8 +55,11 @@ class IntentImm:
     route as in `route_control` with the slope of the law, so an aircraft that is flown on the estimate itself is a case
     for `route_control` with the control as known, not for this tracker.
 
-    The other law is one that the autopilot could be switched to: the beacon law where the told one is a route law. With
-    it the tracker also says who is flying (`intents`): the told law, the other one, or the crew by hand.
+    The alternative laws are those that the autopilot could be switched to: the beacon law where the told one is a route
+    law. With them the tracker also says who is flying (`intents`): the told law, another one, or the crew by hand.
+
+    Of a law this tracker needs two facts more than others do: ``intent``, what it is called, and ``intercept``, the
+    names of its fields that set the course of a far intercept: the limit itself, then what has to grow with it.
 
     Model probabilities are in the order of `modes`. Modes are left at a rate of 1 / ``mean_stay`` for any other mode
     alike, whatever the time between steps.
@@ -63,7 +68,7 @@ class IntentImm:
     law: Annotated[Any, "given"]
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
-    other_law: Annotated[Law | None, "given"] = None  # that the autopilot has too; None = it has no other
+    alternative_laws: Annotated[tuple[Any, ...], "given"] = ()  # that the autopilot has too
     limit_factors: tuple[float, ...] = (0.4, 0.64, 1.0, 1.6, 2.4)
     mean_stay: Annotated[float, "s"] = 120.0
     law_density: Annotated[float, "m2/s3"] = 0.1
@@ -74,10 +79,10 @@ class IntentImm:
     def __post_init__(self) -> None:
         if not self.limit_factors or not all(factor > 0.0 for factor in self.limit_factors):
             raise ValueError(f"limit_factors must be positive numbers, at least one, not {self.limit_factors}")
-        if not any(hasattr(self.law, name) for name in LIMITS):
-            raise ValueError(f"the law has no {' and no '.join(LIMITS)}, so there is no intercept to identify")
-        if self.other_law is not None and self._other in ((), (LIMITS[self._limit],)):
-            raise ValueError("the other law is a beacon law beside a route law, or a route law beside a beacon law")
+        if not self.law.intercept:
+            raise ValueError(f"the {self.law.intent} has no limit of its intercept, so there is none to identify")
+        if len(set(self._intents)) < len(self._intents):
+            raise ValueError(f"every law needs an intent of its own, not {', '.join(self._intents)}")
         if not self.mean_stay > 0.0:
             raise ValueError(f"mean_stay must be positive, not {self.mean_stay} s")
         for density in (self.law_density, self.straight_density, self.manoeuvre_density):
@@ -87,21 +92,15 @@ class IntentImm:
     def _path(self) -> ReferencePath:
         return reference_path(self.route, self.law)
 
-    @cached_property
-    def _limit(self) -> str:
-        return next(name for name in LIMITS if hasattr(self.law, name))
-
     @property
-    def _other(self) -> tuple[str, ...]:
-        """The intent of the other law, if there is one."""
-        return (
-            () if self.other_law is None else tuple(it for name, it in LIMITS.items() if hasattr(self.other_law, name))
-        )
+    def _intents(self) -> tuple[str, ...]:
+        """Of the told law and of the alternatives."""
+        return (self.law.intent, *(law.intent for law in self.alternative_laws))
 
     @property
     def _laws(self) -> int:
         """How many hypotheses fly a law."""
-        return len(self.limit_factors) + len(self._other)
+        return len(self.limit_factors) + len(self.alternative_laws)
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -109,18 +108,18 @@ class IntentImm:
 
     @property
     def modes(self) -> tuple[str, ...]:
-        """Names of the hypotheses: each law by the factor on its limit, the other law, then free flight."""
-        return (*(f"law x {factor:g}" for factor in self.limit_factors), *self._other, "straight", "manoeuvre")
+        """Names of the hypotheses: each law by the factor on its limit, the alternatives, then free flight."""
+        return (*(f"law x {factor:g}" for factor in self.limit_factors), *self._intents[1:], "straight", "manoeuvre")
 
     @property
     def intents(self) -> tuple[str, ...]:
-        """What each hypothesis says the aircraft follows: ``route law``, ``beacon law`` or ``manual``."""
-        return (*(LIMITS[self._limit],) * len(self.limit_factors), *self._other, MANUAL, MANUAL)
+        """What each hypothesis says the aircraft follows: the intent of a law, or ``manual``."""
+        return (*(self._intents[0],) * len(self.limit_factors), *self._intents[1:], MANUAL, MANUAL)
 
     @property
     def limits(self) -> Any:
         """The position limit of each law of the bank, in the order of `modes`."""
-        return getattr(self.law, self._limit) * np.array(self.limit_factors)
+        return getattr(self.law, self.law.intercept[0]) * np.array(self.limit_factors)
 
     def flown_limit(self, estimate: Mixture) -> Any:
         """The position limit that is flown (*B): geometric mean over the bank, given that a law is flown at all."""
@@ -130,16 +129,14 @@ class IntentImm:
     def bank(self, batch: int) -> Law:
         """The laws as one, their axis before ``batch`` axes of runs.
 
-        The rate limit grows with the position limit: a law whose rate term cannot balance its position term orbits.
+        What has to grow with the position limit grows: a law whose rate term cannot balance its position term orbits.
         """
-        factors = lift(np.array((*self.limit_factors, *(1.0,) * (self._laws - len(self.limit_factors)))), 1, batch)
-        limits = {self._limit: getattr(self.law, self._limit) * factors}
-        if hasattr(self.law, "cross_track_rate_limit"):
-            limits["cross_track_rate_limit"] = self.law.cross_track_rate_limit * np.maximum(factors, 1.0)
+        factors = lift(np.array((*self.limit_factors, *(1.0,) * len(self.alternative_laws))), 1, batch)
+        limit, *others = self.law.intercept
+        limits = {limit: getattr(self.law, limit) * factors}
+        limits |= {name: getattr(self.law, name) * np.maximum(factors, 1.0) for name in others}
         laws: Law = replace(self.law, **limits)
-        if self.other_law is None:
-            return laws
-        return Bank(laws, self.other_law, batch)
+        return Bank(laws, self.alternative_laws, batch) if self.alternative_laws else laws
 
     def begin(self, prior: Gaussian) -> Intent:
         runs, count = prior.mean.shape[1:], len(self.modes)

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from autopilot.modes.lateral_navigation import LateralNavigation
-from autopilot.modes.radio_beacon import RadioBeacon
+from autopilot.mode import Mode
 from sim.flight.record import Flight
 from sim.metrics.flight import GLIDE_CAPTURE
 from sim.metrics.signals import height_error
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase, over_time, pad, phase_strip
+from sim.reporting.figures.deviations import COMPONENTS
 from sim.reporting.figures.thinning import where
 from sim.scenario.tables import Runway
 
@@ -22,7 +22,7 @@ STRETCHES = {"Deviations on the glide path": ("glide", "flare"), "Deviations on 
 LEAST_SCALE = 0.25  # m, so that hundredths do not look like errors
 
 
-def bank_history(flight: Flight, law: Any, bank_limit: float) -> Any:
+def bank_history(flight: Flight, law: Mode, bank_limit: float) -> Any:
     """Figure of bank and its command; below, when each limit of the law was reached."""
     limiters = _limiters(flight, law, bank_limit)
     figure, (strip, axes, bars) = style.panels(STRIP, 1.9, 0.2 * len(limiters))
@@ -62,16 +62,14 @@ def _bars(axes: Any, flight: Flight, rows: dict[str, tuple[np.ndarray, str]]) ->
     axes.set_xlabel(TIME)
 
 
-def _limiters(flight: Flight, law: Any, bank_limit: float) -> dict[str, np.ndarray]:
+def _limiters(flight: Flight, law: Mode, bank_limit: float) -> dict[str, np.ndarray]:
     """When the command stood at the bank limit, and when each input of the law was beyond its own."""
     deviation = flight.deviation
     reached = {"bank": np.abs(flight.command.bank) >= bank_limit * (1 - 1e-6)}
-    if isinstance(law, LateralNavigation):
-        reached["offset"] = np.abs(deviation.cross_track) >= law.cross_track_limit
-        reached["rate"] = np.abs(deviation.cross_track_rate) >= law.cross_track_rate_limit
-    if isinstance(law, RadioBeacon):
-        outside = deviation.distance_to_go > law.cone_radius
-        reached["bearing"] = outside & (np.abs(deviation.bearing_error) >= law.bearing_limit)
+    for one in law.limits():
+        if np.isfinite(one.limit):
+            seen = deviation.distance_to_go > one.blind
+            reached[COMPONENTS[one.of].short] = seen & (np.abs(getattr(deviation, one.of)) >= one.limit)
     return reached
 
 

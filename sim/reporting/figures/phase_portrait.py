@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from autopilot.modes.lateral_navigation import LateralNavigation
-from autopilot.modes.radio_beacon import RadioBeacon
+from autopilot.mode import LimitedInput, Mode
 from autopilot.route import PathDeviation
 from sim.flight.record import Flight
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase
+from sim.reporting.figures.deviations import COMPONENTS
 from sim.reporting.figures.thinning import runs
 
 GRID = 121  # points a side; the law is piecewise linear, so its edges are exact but for the corners
@@ -25,15 +25,24 @@ TITLES = ("whole flight", "near the leg")
 class Plane(NamedTuple):
     """The two deviations that a law looks at, as they are shown."""
 
-    x: str  # fields of PathDeviation
-    y: str
-    x_label: str
-    y_label: str
-    scale: float  # from SI to what is shown
-    x_limit: float = np.inf  # as shown
-    y_limit: float = np.inf
-    ratio: float = np.nan  # of the gains: the size of y per x that keeps the wings level
-    blind: float = -np.inf  # m to go, at which x stops to mean anything
+    x: LimitedInput
+    y: LimitedInput
+
+    @property
+    def x_limit(self) -> float:
+        """As shown; infinite = none."""
+        return float(self.x.limit) * COMPONENTS[self.x.of].scale
+
+    @property
+    def y_limit(self) -> float:
+        """As shown; infinite = none."""
+        return float(self.y.limit) * COMPONENTS[self.y.of].scale
+
+    @property
+    def ratio(self) -> float:
+        """Of the gains: the size of y per x, both as shown, that keeps the wings level; NaN = there is none."""
+        scale = COMPONENTS[self.y.of].scale / COMPONENTS[self.x.of].scale
+        return abs(float(self.x.gain) / float(self.y.gain)) * scale if self.y.gain else np.nan
 
     @property
     def intercept(self) -> float:
@@ -41,26 +50,15 @@ class Plane(NamedTuple):
         return self.ratio * self.x_limit
 
 
-def plane_of(law: Any) -> Plane:
-    """The plane of a law's inputs; that of the route law, without limits, for a law not known here."""
-    route = Plane("cross_track", "cross_track_rate", "cross-track, m (+ right)", "cross-track rate, m/s", 1.0)
-    if isinstance(law, LateralNavigation):
-        return route._replace(
-            x_limit=float(law.cross_track_limit),
-            y_limit=float(law.cross_track_rate_limit),
-            ratio=float(law.k1 / law.k2),
-        )
-    if isinstance(law, RadioBeacon):
-        y, degrees = f"{law.course}_error", float(np.degrees(1.0))
-        limit, ratio = float(np.degrees(law.bearing_limit)), float(law.k3 / law.k4)
-        return Plane(
-            "bearing_error", y, "bearing error, deg", f"{law.course} error, deg", degrees, limit,
-            ratio=ratio, blind=law.cone_radius,
-        )  # fmt: skip
-    return route
+def plane_of(law: Mode) -> Plane:
+    """The plane of a law's first two inputs; cross-track and its rate, without limits, for what it does not name."""
+    inputs = law.limits()
+    named = {one.of for one in inputs}
+    more = [LimitedInput(of) for of in ("cross_track", "cross_track_rate") if of not in named]
+    return Plane(*(*inputs, *more)[:2])
 
 
-def phase_portrait(flight: Flight, law: Any) -> Any:
+def phase_portrait(flight: Flight, law: Mode) -> Any:
     """Figure of the flown path in the plane of the law's inputs: the whole, and near the leg.
 
     The saturation regions are those of the law itself, evaluated on a grid [Vasylyev 2003, eq. (4), (5)].
@@ -81,8 +79,8 @@ def phase_portrait(flight: Flight, law: Any) -> Any:
         axes.plot(x[begun], y[begun], "o", color="white", markeredgecolor=style.BLACK, markersize=4.5, zorder=4)
         axes.set_xlim(-half_x, half_x)
         axes.set_ylim(-half_y, half_y)
-        axes.set_xlabel(plane.x_label)
-        axes.set_ylabel(plane.y_label if i == 0 else "")
+        axes.set_xlabel(COMPONENTS[plane.x.of].label)
+        axes.set_ylabel(COMPONENTS[plane.y.of].label if i == 0 else "")
         axes.locator_params(axis="x", nbins=5)
         axes.set_title(TITLES[i], pad=3)
     _legend(figure, plane)
@@ -92,8 +90,11 @@ def phase_portrait(flight: Flight, law: Any) -> Any:
 def _values(flight: Flight, plane: Plane) -> tuple[np.ndarray, np.ndarray]:
     """The flown deviations as shown, NaN where they mean nothing."""
     deviation = flight.deviation
-    x = np.where(deviation.distance_to_go > plane.blind, getattr(deviation, plane.x) * plane.scale, np.nan)
-    return x, getattr(deviation, plane.y) * plane.scale
+    x, y = (
+        np.where(deviation.distance_to_go > one.blind, getattr(deviation, one.of) * COMPONENTS[one.of].scale, np.nan)
+        for one in plane
+    )
+    return x, y
 
 
 def _whole(x: np.ndarray, y: np.ndarray, plane: Plane) -> tuple[float, float]:
@@ -115,7 +116,7 @@ def _command(law: Any, plane: Plane, x: np.ndarray, y: np.ndarray) -> np.ndarray
     """The law's bank for deviations as shown, all others zero and the end of the leg far away."""
     nothing = np.zeros(np.broadcast_shapes(x.shape, y.shape))
     fields = dict.fromkeys(PathDeviation._fields, nothing) | {"distance_to_go": nothing + 1e9}
-    fields |= {plane.x: nothing + x / plane.scale, plane.y: nothing + y / plane.scale}
+    fields |= {one.of: nothing + shown / COMPONENTS[one.of].scale for one, shown in ((plane.x, x), (plane.y, y))}
     return np.asarray(law(PathDeviation(**fields)))
 
 
@@ -142,7 +143,7 @@ def _legend(figure: Any, plane: Plane) -> None:
     if np.isfinite(plane.ratio):
         level = "wings level"
         if np.isfinite(plane.intercept):
-            level += f" (intercept at {plane.intercept:.1f} {plane.y_label.rpartition(', ')[2]})"
+            level += f" (intercept at {plane.intercept:.1f} {COMPONENTS[plane.y.of].unit})"
         entries += [
             (Patch(color=RIGHT_LIMIT), "bank limit, right"),
             (Patch(color=LEFT_LIMIT), "bank limit, left"),

@@ -11,7 +11,6 @@ from aircraft.data import data
 from aircraft.point_mass import PointMass
 from aircraft.turbulence import Turbulence
 from aircraft.turbulence_intensity import intensity, sigma_aloft
-from autopilot.design import lateral_law
 from sim.reporting.text.labels import words
 from sim.scenario import catalogue
 
@@ -55,8 +54,8 @@ FLIGHT_DYNAMICS = (
 def what_ran(scenario: Any, law: Any) -> list[Any]:
     """Everything of a run whose docstring may name a source."""
     things: list[Any] = [law, scenario.route]
-    if scenario.mode == "lateral_navigation" and not scenario.law:
-        things.append(lateral_law)
+    if not scenario.law:
+        things.append(law.designed)
     if scenario.aircraft.model == "point_mass":
         things.append(PointMass)
     if scenario.wind.intensity > 0:
