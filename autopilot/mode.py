@@ -9,7 +9,6 @@ same text serves the autopilot, with floats, and the trackers that predict the a
 from __future__ import annotations
 
 import dataclasses
-import inspect
 import math
 from collections.abc import Callable, Iterator
 from typing import Any, ClassVar, NamedTuple, Protocol, Self
@@ -110,10 +109,11 @@ FACTS = {"intent": str, "standard": bool, "intercept": tuple}
 MEMBERS = (*FACTS, "bank_limit", "designed", "__call__", "limits", "explain", "check_convergence")
 
 
-def missing(cls: Any) -> list[str]:
+def missing(cls: type) -> list[str]:
     """Members of a mode that a class lacks."""
     fields = {field.name for field in dataclasses.fields(cls)} if dataclasses.is_dataclass(cls) else set()
-    return [name for name in MEMBERS if name not in fields and inspect.getattr_static(cls, name, None) is None]
+    own = {name for base in cls.__mro__ for name, member in vars(base).items() if member is not None}
+    return [name for name in MEMBERS if name not in fields | own]
 
 
 TRIAL = DesignCase(math.radians(15.0), 2.0, 72.0, 1.3e-3, 0.021, 580.0)  # a small transport's

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import tomllib
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from sim.scenario import catalogue

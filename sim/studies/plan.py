@@ -83,6 +83,8 @@ def _faults(scenario: Scenario, table: StudyTable, axes: tuple[Axis, ...]) -> li
             faults.append(
                 f'[study] theory "{table.theory}" is about the axes "{theory.x}" and "{theory.y}", in this order'
             )
+        if theory.needs(scenario):
+            faults.append(f'[study] theory "{table.theory}" needs {theory.needs(scenario)}')
     for check in table.checks:
         if check.metric not in SCALARS and not check.metric.startswith("trackers."):
             faults.append(f"[[study.checks]] no metric '{check.metric}'; {did_you_mean(check.metric, SCALARS)}")

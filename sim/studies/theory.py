@@ -13,10 +13,11 @@ import numpy as np
 
 from autopilot.design import law_of_frequency
 from autopilot.limit_cycles import LimitedLoop, caught, limited_loop, onset
+from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset
-from sim.errors import ScenarioError
 from sim.scenario.model import Scenario
 from sim.scenario.reading import override, read
+from sim.scenario.tables import LegsTable, PatternTable
 
 
 class Line(NamedTuple):
@@ -33,6 +34,7 @@ class Theory(NamedTuple):
     x: str  # addresses of the axes
     y: str
     lines: Callable[[Scenario, np.ndarray, np.ndarray], tuple[Line, ...]]  # (scenario, values of x, values of y)
+    needs: Callable[[Scenario], str]  # what it is about and a scenario lacks, "" = nothing
     figures: Callable[[Scenario, float, float], dict[str, float | None]] | None = None  # of a cell, as in metrics.json
 
 
@@ -53,10 +55,29 @@ def orbit_border(law: Any, scenario: Scenario, wind: np.ndarray) -> np.ndarray:
     Far out the bank returns to zero on some course only if k1 min(z_max, offset) < k2 min(zdot_max, closing speed), and
     the closing speed is at most the airspeed less the wind [Vasylyev 2003, eq. (4)].
     """
-    airspeed = min(leg.speed for leg in scenario.route.legs)
-    closing = np.minimum(law.cross_track_rate_limit, np.maximum(airspeed - wind, 0.0))
-    border = law.k2 / law.k1 * closing
+    route_law, route = LateralNavigation.of(law), scenario.route
+    if route_law is None or not isinstance(route, LegsTable):
+        return np.full(len(wind), math.inf)
+    airspeed = min(leg.speed for leg in route.legs)
+    closing = np.minimum(route_law.cross_track_rate_limit, np.maximum(airspeed - wind, 0.0))
+    border = route_law.k2 / route_law.k1 * closing
     return np.where(border < abs(scenario.start.cross_track), border, math.inf)
+
+
+def orbit_needs(scenario: Scenario) -> str:
+    """Legs, whose speed is that of the intercept."""
+    return "" if isinstance(scenario.route, LegsTable) else 'a route of legs, [route] kind = "legs"'
+
+
+def energy_needs(scenario: Scenario) -> str:
+    """A glide path, and a microburst on it."""
+    has = isinstance(scenario.route, PatternTable) and "burst" in scenario.wind.events
+    return "" if has else "a landing pattern and a [wind.events.burst]"
+
+
+def gain_needs(scenario: Scenario) -> str:
+    """Inner loops."""
+    return "a JSBSim aircraft" if scenario.aircraft.model == "point_mass" else ""
 
 
 def energy_border(law: Any, scenario: Scenario, places: np.ndarray) -> np.ndarray:
@@ -71,8 +92,7 @@ def energy_border(law: Any, scenario: Scenario, places: np.ndarray) -> np.ndarra
 
     prepared = prepare(scenario)
     landing = prepared.autopilot.landing
-    if landing is None or "burst" not in scenario.wind.events:
-        raise ScenarioError(f'{scenario.name}: theory "energy" needs a landing pattern and a [wind.events.burst]')
+    assert landing is not None
     reserve = apart(scenario, TIME_LIMIT, steepest_climb, prepared) + math.sin(scenario.runway.glide_path)
     burst = dataclasses.replace(scenario.wind.events["burst"], peak=1.0, at=None, lasts=None)
 
@@ -130,12 +150,14 @@ THEORIES = {
         "wind.events.burst.past_threshold_m",
         "wind.events.burst.peak_mps",
         over_x("theory: F over 1 km = steepest climb + glide path", energy_border),
+        energy_needs,
     ),
-    "gain": Theory("autopilot.frequency_share", "autopilot.bank_limit_deg", gain_lines, gain_figures),
+    "gain": Theory("autopilot.frequency_share", "autopilot.bank_limit_deg", gain_lines, gain_needs, gain_figures),
     "orbit": Theory(
         "wind.speed_mps",
         "autopilot.law.cross_track_limit_m",
         over_x("theory: k1 z_max = k2 (V - wind)", orbit_border),
+        orbit_needs,
     ),
 }
 

@@ -62,6 +62,14 @@ def test_flights_on_both_sides_of_the_border_end_as_theory_says(tmp_path):
     assert json.loads((tmp_path / "metrics.json").read_text())["rows"] == json.loads(json.dumps(metrics["rows"]))
 
 
+def test_a_theory_of_legs_is_refused_for_a_pattern_before_anything_is_flown():
+    axes = {"axes": {WIND: [0.0, 5.0], LIMIT: [300.0, 600.0]}, "theory": "orbit"}
+    on_a_pattern = {"name": "p", "aircraft": {"model": "point_mass"}, "route": {"kind": "pattern"}, "study": axes}
+    with pytest.raises(ScenarioError, match='theory "orbit" needs a route of legs') as caught:
+        study.plan(read(on_a_pattern))
+    assert "\n" not in str(caught.value)
+
+
 def test_a_theory_about_other_axes_is_refused():
     with pytest.raises(ScenarioError, match='theory "orbit" is about the axes'):
         study.plan(read("orbit_map", {**POINT_MASS, "study": {"axes": {LIMIT: [300.0]}, "theory": "orbit"}}))

@@ -1,0 +1,159 @@
+"""One file in the folder of modes is a mode everywhere: flown, tracked, explained, drawn; no other file knows it."""
+
+from __future__ import annotations
+
+import dataclasses
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import autopilot.modes
+from autopilot.mode import TRIAL, broken_promises
+from autopilot.modes.lateral_navigation import LateralNavigation
+from sim.cli.explain import explain
+from sim.cli.listing import kind_lines
+from sim.errors import ScenarioError
+from sim.estimation.setup import build, check
+from sim.experiment import fly, report, run
+from sim.flight.preparation import prepare
+from sim.scenario import catalogue
+from sim.scenario.reading import read
+
+PART = Path(__file__).parent.parent / "parts" / "wings_level.py"
+RADAR = {"radar": {"kind": "surveillance_radar", "position_m": [3000, 4000, 10]}}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A further folder of modes, empty."""
+    monkeypatch.setattr(autopilot.modes, "__path__", [*autopilot.modes.__path__, str(tmp_path)])
+    yield tmp_path
+    for file in tmp_path.glob("*.py"):
+        sys.modules.pop(f"autopilot.modes.{file.stem}", None)
+        if hasattr(autopilot.modes, file.stem):
+            delattr(autopilot.modes, file.stem)
+
+
+@pytest.fixture
+def wings_level(folder):
+    shutil.copy(PART, folder)
+
+
+def scenario(**tables):
+    return read(
+        {
+            "name": "mode",
+            "until_s": 60,
+            "draws": 2,
+            "aircraft": {"model": "point_mass"},
+            "start": {"leg": 0, "cross_track_m": 2000},
+            "route": {
+                "kind": "legs",
+                "legs": [{"from_m": [0, 0], "to_m": [30000, 0], "speed_mps": 80, "height_m": 600}],
+            },
+            "autopilot": {"kind": "wings_level"},
+            **tables,
+        }
+    )
+
+
+@pytest.mark.usefixtures("wings_level")
+def test_it_is_flown_tracked_and_reported(tmp_path):
+    trackers = {"told": {"kind": "saturated_control"}, "plain": {"kind": "kalman"}}
+    result = run(scenario(sensors=RADAR, trackers=trackers))
+    flight = result.flight
+    assert not flight.command.bank.any()
+    assert not flight.state.bank.any()
+    np.testing.assert_allclose(flight.deviation.cross_track, 2000.0, atol=1e-6)
+    told, plain = (result.metrics["trackers"][name]["overall"]["position_m"]["rmse"] for name in trackers)
+    assert told < plain  # it knows that the aircraft does not turn
+    out = tmp_path / "out"
+    out.mkdir()
+    report(result, out)
+    page = (out / "report.html").read_text()
+    assert "wings_level" in page
+    assert "Phase portrait of the law" in page
+
+
+@pytest.mark.usefixtures("wings_level")
+def test_it_is_listed_and_explained():
+    assert any(line.split()[:1] == ["wings_level"] for line in kind_lines())
+    assert "bank = 0, whatever the deviation; turns are planned at 15.0 deg" in explain(scenario())
+
+
+@pytest.mark.usefixtures("wings_level")
+def test_it_keeps_the_contract():
+    assert broken_promises(catalogue.load("modes", "wings_level")) == []
+
+
+@pytest.mark.usefixtures("wings_level")
+def test_a_tracker_of_intercepts_refuses_a_law_that_has_none():
+    prepared = prepare(scenario(sensors=RADAR, trackers={"intents": {"kind": "intent_imm"}}))
+    with pytest.raises(ScenarioError, match=r"^\[trackers.intents\] the wings-level law has no limit") as caught:
+        check(prepared)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.usefixtures("wings_level")
+def test_a_crew_can_switch_to_it():
+    switched = scenario(autopilot={}, departures=[{"at_s": 10, "flies": "wings_level"}], until_s=20)
+    flight = fly(prepare(switched))
+    assert abs(flight.command.bank[flight.time < 10.0]).max() > 0.1
+    assert not flight.command.bank[flight.time > 14.0].any()
+    assert "the wings level law flies" in explain(switched)
+
+
+def intents_of(prepared):
+    return build(prepared, "intents", prepared.scenario.trackers["intents"])[0].intents
+
+
+def test_a_mode_that_is_not_standard_changes_no_other_scenario(folder):
+    """Only a mode that says that every crew has it is weighed beside the laws of the others."""
+    tables = {"autopilot": {}, "sensors": RADAR, "trackers": {"intents": {"kind": "intent_imm"}}}
+    before = intents_of(prepare(scenario(**tables)))
+    assert set(before) == {"route law", "beacon law", "manual"}
+    shutil.copy(PART, folder)
+    assert intents_of(prepare(scenario(**tables))) == before
+    text = PART.read_text().replace("standard: ClassVar[bool] = False", "standard: ClassVar[bool] = True")
+    (folder / "always_level.py").write_text(text)
+    assert set(intents_of(prepare(scenario(**tables)))) == {*before, "wings-level law"}
+
+
+def test_a_law_of_any_other_name_is_designed_and_known_to_theory(folder):
+    """The route law in a file of its own flies bit for bit as the bundled one, and its loop is judged by theory."""
+    source = Path(sys.modules[LateralNavigation.__module__].__file__).read_text()
+    (folder / "nameless.py").write_text(source.replace("LateralNavigation", "Nameless"))
+    flights = [fly(prepare(scenario(autopilot={"kind": kind}))) for kind in ("lateral_navigation", "nameless")]
+    np.testing.assert_array_equal(flights[0].state.bank, flights[1].state.bank)
+    assert abs(flights[0].state.bank).max() > 0.1
+    other = catalogue.load("modes", "nameless").designed({}, TRIAL)
+    assert dataclasses.asdict(LateralNavigation.of(other)) == dataclasses.asdict(other)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("def explain", "def explained", "kind 'wings_level' is no whole mode, it lacks 'explain'"),
+        ("intent: ClassVar", "purpose: ClassVar", "it lacks 'intent'"),
+        ("def designed", "def made", "it lacks 'designed'"),
+    ],
+)
+def test_a_file_that_is_no_whole_mode_is_told_in_one_sentence(folder, old, new, told):
+    (folder / "wings_level.py").write_text(PART.read_text().replace(old, new))
+    with pytest.raises(ScenarioError, match=told) as caught:
+        prepare(scenario())
+    assert "\n" not in str(caught.value)
+
+
+def test_a_departure_to_an_unknown_law_names_those_there_are():
+    departures = [{"at_s": 10, "flies": "beacno"}]
+    with pytest.raises(ScenarioError, match=r"\[\[departures\]\] flies: no law 'beacno'; did you mean 'beacon'"):
+        prepare(scenario(autopilot={}, departures=departures))
+
+
+def test_a_law_on_the_heading_is_flown_as_the_file_says():
+    law = prepare(scenario(autopilot={"kind": "radio_beacon", "law": {"course": "heading"}})).law
+    assert law.limits()[1].of == "heading_error"
