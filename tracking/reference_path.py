@@ -37,7 +37,7 @@ class Law(Protocol):
         ...
 
 
-class Placed(NamedTuple):
+class PathState(NamedTuple):
     """An estimate and its place on the path: the state of every law-aware tracker."""
 
     gaussian: Gaussian

@@ -10,7 +10,16 @@ import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
 from tracking.measurement import MeasurementModel
-from tracking.reference_path import Law, Line, Placed, ReferencePath, check_tuning, reference_path, sub_steps, uniform
+from tracking.reference_path import (
+    Law,
+    Line,
+    PathState,
+    ReferencePath,
+    check_tuning,
+    reference_path,
+    sub_steps,
+    uniform,
+)
 from tracking.trackers import law_ekf, route_control
 
 MANUAL = "manual"  # the intent of free flight
@@ -187,7 +196,7 @@ class IntentImm:
         count, step = sub_steps(dt, self.sub_step)
         Q = lift(uniform(self._path.axes, step, self.law_density)[1], 2, laws.cov.ndim - 2)
         for _ in range(count):
-            gaussian = forward(law, self._path, Placed(gaussian, place), step, Q)
+            gaussian = forward(law, self._path, PathState(gaussian, place), step, Q)
             place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), step)
         return gaussian, place
 

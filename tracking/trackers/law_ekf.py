@@ -11,7 +11,7 @@ from tracking.measurement import MeasurementModel
 from tracking.motion import GRAVITY, constant_velocity
 from tracking.reference_path import (
     Law,
-    Placed,
+    PathState,
     ReferencePath,
     check_tuning,
     embed,
@@ -50,26 +50,26 @@ class LawEkf:
     def channels(self) -> tuple[str, ...]:
         return self._path.channels
 
-    def begin(self, prior: Gaussian) -> Placed:
-        return Placed(prior, self._path.begin(prior.mean))
+    def begin(self, prior: Gaussian) -> PathState:
+        return PathState(prior, self._path.begin(prior.mean))
 
-    def step(self, state: Placed, dt: float, z: Any | None, R: Any | None) -> tuple[Placed, Innovation | None]:
+    def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
         if dt > 0.0:
             count, step = sub_steps(dt, self.sub_step)
             _, Q = uniform(self._path.axes, step, self.acceleration_density)
             for _ in range(count):
                 gaussian = advance(self.law, self._path, state, step, Q)
-                state = Placed(gaussian, self._path.advance(state.place, gaussian.mean, step))
+                state = PathState(gaussian, self._path.advance(state.place, gaussian.mean, step))
         if z is None:
             return state, None
         gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return Placed(gaussian, state.place), innovation
+        return PathState(gaussian, state.place), innovation
 
-    def estimate(self, state: Placed) -> Gaussian:
+    def estimate(self, state: PathState) -> Gaussian:
         return state.gaussian
 
 
-def advance(law: Law, path: ReferencePath, state: Placed, dt: float, Q: Any) -> Gaussian:
+def advance(law: Law, path: ReferencePath, state: PathState, dt: float, Q: Any) -> Gaussian:
     """Estimate after one sub-step with the control held, and the covariance that belongs to it."""
     mean = state.gaussian.mean
     control = steering(law, path, state.place, mean)

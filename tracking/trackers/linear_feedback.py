@@ -14,7 +14,7 @@ from tracking.motion import GRAVITY, closed_loop
 from tracking.reference_path import (
     Law,
     Line,
-    Placed,
+    PathState,
     ReferencePath,
     check_tuning,
     closed,
@@ -55,30 +55,30 @@ class LinearFeedback:
     def channels(self) -> tuple[str, ...]:
         return self._path.channels
 
-    def begin(self, prior: Gaussian) -> Placed:
-        return Placed(prior, self._path.begin(prior.mean))
+    def begin(self, prior: Gaussian) -> PathState:
+        return PathState(prior, self._path.begin(prior.mean))
 
-    def step(self, state: Placed, dt: float, z: Any | None, R: Any | None) -> tuple[Placed, Innovation | None]:
+    def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
         if dt > 0.0:
             state = self._on_line(state, dt) if isinstance(self._path, Line) else self._on_legs(state, dt)
         if z is None:
             return state, None
         gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return Placed(gaussian, state.place), innovation
+        return PathState(gaussian, state.place), innovation
 
-    def estimate(self, state: Placed) -> Gaussian:
+    def estimate(self, state: PathState) -> Gaussian:
         return state.gaussian
 
-    def _on_line(self, state: Placed, dt: float) -> Placed:
+    def _on_line(self, state: PathState, dt: float) -> PathState:
         """By (8), with the gains of the middle of the step: one covariance for all runs."""
         on_line = np.zeros(2)
         middle = self._path.advance(state.place, on_line, 0.5 * dt)
         control = steering(self.law, self._path, middle, on_line)
         stiffness, damping = -GRAVITY * float(control.per_cross_track), -GRAVITY * float(control.per_cross_track_rate)
         F, Q = closed_loop(dt, stiffness, damping, self.acceleration_density)
-        return Placed(predict(state.gaussian, F, Q), self._path.advance(state.place, on_line, dt))
+        return PathState(predict(state.gaussian, F, Q), self._path.advance(state.place, on_line, dt))
 
-    def _on_legs(self, state: Placed, dt: float) -> Placed:
+    def _on_legs(self, state: PathState, dt: float) -> PathState:
         count, step = sub_steps(dt, self.sub_step)
         F, Q = uniform(self._path.axes, step, self.acceleration_density)
         for _ in range(count):
@@ -96,5 +96,5 @@ class LinearFeedback:
                 embed(normal, noise, Q[:2, :2]),
                 F @ on_leg,
             )
-            state = Placed(moved, self._path.advance(place, moved.mean, step))
+            state = PathState(moved, self._path.advance(place, moved.mean, step))
         return state

@@ -11,7 +11,7 @@ import numpy as np
 from tracking.gaussian import Gaussian, Innovation, lift, predict, update
 from tracking.measurement import MeasurementModel
 from tracking.motion import CARTESIAN, GRAVITY, course_kinematics
-from tracking.reference_path import Law, Legs, Placed, check_tuning, steering, sub_steps, uniform
+from tracking.reference_path import Law, Legs, PathState, check_tuning, steering, sub_steps, uniform
 
 
 @dataclass(frozen=True)
@@ -45,23 +45,23 @@ class RouteControl:
     def _path(self) -> Legs:
         return Legs(self.route, float(np.max(self.law.bank_limit)))
 
-    def begin(self, prior: Gaussian) -> Placed:
-        return Placed(prior, self._path.begin(prior.mean))
+    def begin(self, prior: Gaussian) -> PathState:
+        return PathState(prior, self._path.begin(prior.mean))
 
-    def step(self, state: Placed, dt: float, z: Any | None, R: Any | None) -> tuple[Placed, Innovation | None]:
+    def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
         if dt > 0.0:
             count, step = sub_steps(dt, self.sub_step)
             _, Q = uniform(self._path.axes, step, self.acceleration_density)
             forward = known_control if self.covariance == "known_control" else autonomous
             for _ in range(count):
                 gaussian = forward(self.law, self._path, state, step, Q)
-                state = Placed(gaussian, self._path.advance(state.place, gaussian.mean, step))
+                state = PathState(gaussian, self._path.advance(state.place, gaussian.mean, step))
         if z is None:
             return state, None
         gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return Placed(gaussian, state.place), innovation
+        return PathState(gaussian, state.place), innovation
 
-    def estimate(self, state: Placed) -> Gaussian:
+    def estimate(self, state: PathState) -> Gaussian:
         return state.gaussian
 
 
@@ -74,14 +74,14 @@ def turned(path: Legs, mean: Any, bank: Any, dt: float) -> tuple[Any, Any]:
     return moved + _drift(north, east, dt, mean), F
 
 
-def known_control(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Gaussian:
+def known_control(law: Law, path: Legs, state: PathState, dt: float, Q: Any) -> Gaussian:
     """Estimate after one sub-step; the bank is an input of the covariance."""
     bank = law(path.deviation(state.place, state.gaussian.mean))
     mean, F = turned(path, state.gaussian.mean, bank, dt)
     return predict(state.gaussian, F, Q)._replace(mean=mean)
 
 
-def autonomous(law: Law, path: Legs, state: Placed, dt: float, Q: Any) -> Gaussian:
+def autonomous(law: Law, path: Legs, state: PathState, dt: float, Q: Any) -> Gaussian:
     """Estimate after one sub-step; the bank is a function of the state that F carries.
 
     The slope is the one across the leg: along it only the beacon law changes, by the ratio of cross-track to distance

@@ -11,7 +11,7 @@ from tracking.measurement import MeasurementModel
 from tracking.motion import GRAVITY
 from tracking.reference_path import (
     Law,
-    Placed,
+    PathState,
     ReferencePath,
     check_tuning,
     push,
@@ -51,21 +51,21 @@ class SaturatedControl:
     def channels(self) -> tuple[str, ...]:
         return self._path.channels
 
-    def begin(self, prior: Gaussian) -> Placed:
-        return Placed(prior, self._path.begin(prior.mean))
+    def begin(self, prior: Gaussian) -> PathState:
+        return PathState(prior, self._path.begin(prior.mean))
 
-    def step(self, state: Placed, dt: float, z: Any | None, R: Any | None) -> tuple[Placed, Innovation | None]:
+    def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
         if dt > 0.0:
             state = self._predict(state, dt)
         if z is None:
             return state, None
         gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return Placed(gaussian, state.place), innovation
+        return PathState(gaussian, state.place), innovation
 
-    def estimate(self, state: Placed) -> Gaussian:
+    def estimate(self, state: PathState) -> Gaussian:
         return state.gaussian
 
-    def _predict(self, state: Placed, dt: float) -> Placed:
+    def _predict(self, state: PathState, dt: float) -> PathState:
         mean, place = state.gaussian.mean, state.place
         count, step = sub_steps(dt, self.sub_step)
         for _ in range(count):
@@ -74,4 +74,4 @@ class SaturatedControl:
             place = self._path.advance(place, mean, step)
         # uniform motion with isotropic noise looks the same from every leg: one covariance for all runs
         moved = predict(state.gaussian, *uniform(self._path.axes, dt, self.acceleration_density))
-        return Placed(moved._replace(mean=mean), place)
+        return PathState(moved._replace(mean=mean), place)
