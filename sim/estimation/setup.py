@@ -131,7 +131,7 @@ def check(prepared: Prepared) -> None:
 def _told(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
     """The law that flies, or the one that the file tells instead: absolute values (SI) or factors."""
     changes = {}
-    fields = [field.name for field in dataclasses.fields(law)]
+    fields = [field.name for field in dataclasses.fields(law) if not isinstance(getattr(law, field.name), str)]
     for key, value in choice.law.items():
         attribute = key.removesuffix("_factor")
         if attribute not in fields:

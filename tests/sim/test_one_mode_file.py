@@ -157,3 +157,9 @@ def test_a_departure_to_an_unknown_law_names_those_there_are():
 def test_a_law_on_the_heading_is_flown_as_the_file_says():
     law = prepare(scenario(autopilot={"kind": "radio_beacon", "law": {"course": "heading"}})).law
     assert law.limits()[1].of == "heading_error"
+
+
+def test_a_word_of_a_law_has_no_factor():
+    told = {"kind": "saturated_control", "law": {"course_factor": 2.0}}
+    with pytest.raises(ScenarioError, match="course_factor: no such key; allowed: k3_factor"):
+        check(prepare(scenario(autopilot={"kind": "radio_beacon"}, sensors=RADAR, trackers={"told": told})))
