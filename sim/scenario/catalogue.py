@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
+import pkgutil
 from importlib import resources
 from typing import Any
+
+from sim.errors import ScenarioError
 
 FOLDERS = {
     "sensors": ("sim.observation.sensors", "step"),
@@ -19,14 +22,14 @@ FOLDERS = {
 def kinds(family: str) -> list[str]:
     """Names of all kinds of a family, without importing any of them."""
     package, _ = FOLDERS[family]
-    files = (file.name for file in resources.files(package).iterdir())
-    return sorted(name[:-3] for name in files if name.endswith(".py") and not name.startswith("_"))
+    found = pkgutil.iter_modules(importlib.import_module(package).__path__)
+    return sorted(module.name for module in found if not module.name.startswith("_"))
 
 
 def load(family: str, kind: str) -> type[Any]:
     """The class of a kind: the one dataclass of its file that has the family's method.
 
-    Raises ``KeyError`` for a kind that has no file.
+    Raises ``KeyError`` for a kind that has no file, ``ScenarioError`` for a file that defines none.
     """
     package, method = FOLDERS[family]
     if kind not in kinds(family):
@@ -41,7 +44,7 @@ def load(family: str, kind: str) -> type[Any]:
         and hasattr(thing, method)
     ]
     if len(found) != 1:
-        raise TypeError(f"{module.__name__} must define exactly one dataclass with '{method}', found {len(found)}")
+        raise ScenarioError(f"{module.__name__} must define exactly one dataclass with '{method}', found {len(found)}")
     return found[0]
 
 

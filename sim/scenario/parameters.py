@@ -134,11 +134,12 @@ def model_of(
 
 
 def construct(cls: type, table: dict[str, Any], **given: Any) -> Any:
-    """An instance from a validated table, converted to SI; ``given`` fills what files never say.
+    """An instance from a validated table, converted to SI; ``given`` fills what files never say, where it has a field.
 
     Raises ``ValueError`` in the class's own words when a value is out of its range.
     """
-    values = dict(given)
+    fields = {field.name for field in dataclasses.fields(cls)}
+    values = {name: value for name, value in given.items() if name in fields}
     for parameter in parameters(cls):
         for key, factor in parameter.keys.items():
             if table.get(key) is not None:

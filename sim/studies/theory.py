@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import json
 import math
@@ -16,6 +15,7 @@ from autopilot.limit_cycles import LimitedLoop, caught, limited_loop, onset
 from autopilot.route_loop import linear_onset
 from sim.errors import ScenarioError
 from sim.scenario.model import Scenario
+from sim.scenario.parameters import construct
 from sim.scenario.reading import override, read
 
 
@@ -60,7 +60,7 @@ def orbit_border(law: Any, scenario: Scenario, wind: np.ndarray) -> np.ndarray:
 
 
 def energy_border(law: Any, scenario: Scenario, places: np.ndarray) -> np.ndarray:
-    """The strength of a microburst, m/s, above which full power cannot hold speed and glide path, over its place, m.
+    """The strength of an event, m/s, above which full power cannot hold speed and glide path, over its place, m.
 
     Through the air the energy height changes by V ((thrust - drag) / weight - F), and on the glide path it must fall by
     V sin(glide path): no power holds both once F, over a kilometre, exceeds the steepest climb and the glide path.
@@ -74,11 +74,14 @@ def energy_border(law: Any, scenario: Scenario, places: np.ndarray) -> np.ndarra
     if landing is None or "burst" not in scenario.wind.events:
         raise ScenarioError(f'{scenario.name}: theory "energy" needs a landing pattern and a [wind.events.burst]')
     reserve = apart(scenario, TIME_LIMIT, steepest_climb, prepared) + math.sin(scenario.runway.glide_path)
-    burst = dataclasses.replace(scenario.wind.events["burst"], peak=1.0, at=None, lasts=None)
+    table = override(scenario.tables["wind"]["events"]["burst"], "peak_mps", 1.0)
+    cls = type(scenario.wind.events["burst"])
 
     def strength(place: float) -> float:
-        there = dataclasses.replace(burst, past_threshold=place)
-        worst = worst_on_the_glide_path(there, scenario.runway, landing.approach_speed, landing.gate.height)
+        event = construct(cls, override(table, "past_threshold_m", place), runway=scenario.runway).standing()
+        if event is None:
+            raise ScenarioError(f'{scenario.name}: theory "energy" needs an event that stands on the approach')
+        worst = worst_on_the_glide_path(event, scenario.runway, landing.approach_speed, landing.gate.height)
         return reserve / worst if worst > 0.0 else math.inf
 
     return np.array([strength(float(place)) for place in places])
