@@ -55,12 +55,18 @@ class Moments(NamedTuple):
 
 
 def missing_members(tracker: Any) -> list[str]:
-    """What of the contract a tracker, or its class, has not at all; a sentence each."""
-    return [
+    """What of the contract a tracker, or its class, has not at all or cannot say; a sentence each."""
+    missing = [
         f"has no '{name}': {(inspect.getdoc(getattr(Tracker, name)) or '').splitlines()[0]}"
         for name in MEMBERS
         if inspect.getattr_static(tracker, name, None) is None
     ]
+    if not missing and not isinstance(tracker, type):
+        try:
+            _ = tracker.channels
+        except Exception as error:
+            missing.append(f"channels raises {type(error).__name__}: {' '.join(str(error).split())[:200]}")
+    return missing
 
 
 def broken_promises(cls: type, make: Callable[[], Trial]) -> list[str]:
@@ -74,6 +80,8 @@ def broken_promises(cls: type, make: Callable[[], Trial]) -> list[str]:
         return missing
     try:
         trial = make()
+    except TrackerError as error:
+        return [str(error)]
     except Exception as error:
         return [f"making one raises {type(error).__name__}: {' '.join(str(error).split())[:200]}"]
     broken = list(_tried(_runs, trial))  # what does not run at all would only break the rest again
@@ -204,13 +212,14 @@ def _survives_absence(trial: Trial) -> Iterator[str]:
         if not _same(found.of(others), whole.of(others)):
             yield "a measurement that is absent in one run changes the estimates of other runs"
             return
-    z = np.array(record.z)
-    z[middle] = np.nan
-    states = [epoch.state for epoch in follow(tracker, replace(record, z=z), prior)]
-    predicted, _ = stepped(tracker, states[middle - 1], float(record.arrival[middle] - record.arrival[middle - 1]))
-    runs = record.z.shape[-1]
-    if not _same(*(_moments(believed(tracker, state), runs) for state in (predicted, states[middle]))):
-        yield "an epoch without measurements is not the prediction"
+    for runs, what in ((slice(MISSED, MISSED + 1), "a run"), (slice(None), "an epoch")):
+        z = np.array(record.z)
+        z[middle, :, runs] = np.nan
+        states = [epoch.state for epoch in follow(tracker, replace(record, z=z), prior)]
+        ahead, _ = stepped(tracker, states[middle - 1], float(record.arrival[middle] - record.arrival[middle - 1]))
+        predicted, came = (_moments(believed(tracker, state), z.shape[-1]) for state in (ahead, states[middle]))
+        if not _same(came.of(runs), predicted.of(runs)):
+            yield f"{what} without a measurement is not its prediction"
 
 
 def _names(trial: Trial) -> Iterator[str]:
@@ -247,7 +256,8 @@ def _path(tracker: Any, record: Measurements, prior: Gaussian) -> Moments:
 def _moments(estimate: Gaussian | Mixture, runs: int) -> Moments:
     mean, cov = merge(estimate) if isinstance(estimate, Mixture) else estimate
     cov = cov if np.ndim(cov) == 3 else np.asarray(cov)[..., None]
-    mean, cov = (np.broadcast_to(values, (*values.shape[:-1], runs)) for values in (mean, cov))
+    # copies, because what a tracker does to its state must not reach them
+    mean, cov = (np.array(np.broadcast_to(values, (*values.shape[:-1], runs))) for values in (mean, cov))
     return Moments(mean[None], cov[None])
 
 

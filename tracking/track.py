@@ -176,8 +176,8 @@ def ask(tracker: Any, member: str, *arguments: Any) -> Any:
 def stepped(tracker: Any, state: Any, dt: float, z: Any = None, R: Any = None) -> tuple[Any, Innovation | None]:
     """``tracker.step``; raises `TrackerError`."""
     answer = ask(tracker, "step", state, dt, z, R)
-    if not (isinstance(answer, tuple) and len(answer) == 2):
-        raise TrackerError(f"step gives {type(answer).__name__}, not a state and an innovation")
+    if not (isinstance(answer, tuple) and len(answer) == 2 and isinstance(answer[1], Innovation | None)):
+        raise TrackerError(f"step gives {type(answer).__name__}, not (state, Innovation or None)")
     return answer
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ast
 import tomllib
-from importlib import resources
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from sim.scenario import catalogue
@@ -34,8 +35,9 @@ def kind_lines() -> list[str]:
         package, _ = catalogue.FOLDERS[family]
         rows = []
         for kind in catalogue.kinds(family):
-            text = (resources.files(package) / f"{kind}.py").read_text()
-            rows.append((kind, (ast.get_docstring(ast.parse(text)) or "").splitlines()[0]))
+            spec = find_spec(f"{package}.{kind}")
+            text = "" if spec is None or spec.origin is None else Path(spec.origin).read_text()
+            rows.append((kind, (ast.get_docstring(ast.parse(text)) or " ").splitlines()[0]))
         lines += [title, *(f"  {line}" for line in _aligned(rows)), ""]
     return lines[:-1]
 

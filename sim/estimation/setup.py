@@ -36,7 +36,10 @@ def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, st
 
     Raises ``ScenarioError`` where its sensors do not give what it needs.
     """
-    return build_class(catalogue.load("trackers", choice.kind), prepared, name, choice)
+    tracker, law_from = build_class(catalogue.load("trackers", choice.kind), prepared, name, choice)
+    for missing in missing_members(tracker):
+        raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}': {missing}")
+    return tracker, law_from
 
 
 def build_class(cls: type, prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, str | None]:
@@ -72,8 +75,6 @@ def build_class(cls: type, prepared: Prepared, name: str, choice: TrackerChoice)
         tracker = construct(cls, choice.table, **supplied)
     except ValueError as error:
         raise ScenarioError(f"[trackers.{name}] {error}") from None
-    for missing_member in missing_members(tracker):
-        raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}': {missing_member}")
     if choice.association is None:
         if _with_clutter(sensors):
             raise ScenarioError(

@@ -19,8 +19,8 @@ from sim.observation.record import SensorRecord, measurements, observe
 from sim.scenario import catalogue
 from sim.scenario.model import TrackerChoice
 from sim.scenario.reading import read
-from tracking.contract import Trial
-from tracking.track import Measurements
+from tracking.contract import Trial, missing_members
+from tracking.track import Measurements, TrackerError
 
 RUNS = 3
 EPOCHS = 12
@@ -35,7 +35,8 @@ def maker(cls: type, kind: str = "it") -> Callable[[], Trial]:
     """What makes trials of a class, each the same, for `tracking.contract.broken_promises`.
 
     The tracker stands in a small scenario, with the fewest of the catalogue's sensors with which it can be built; its
-    parameters are its ``example``, else its defaults. Making raises ``ScenarioError`` where no sensors serve.
+    parameters are its ``example``, else its defaults. Making raises ``ScenarioError`` where no sensors serve, and
+    ``TrackerError`` where a member is missing.
     """
 
     def make() -> Trial:
@@ -48,6 +49,8 @@ def maker(cls: type, kind: str = "it") -> Callable[[], Trial]:
             except ScenarioError as error:
                 refused = error
                 continue
+            for missing in missing_members(tracker):
+                raise TrackerError(missing)
             record = _first(measurements(records, sensors))
             scenario = prepared.scenario
             begun = prior(flight, scenario.sensors, tracker.channels, float(record.arrival[0]), scenario.seed, 0, RUNS)
