@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tracking.track import Track
+from tracking.track import Track, intents_of
 
 UNLIKELY = 1e-300  # so little is left of a hypothesis that a look rules out
 
@@ -53,7 +53,7 @@ class ConformanceTest:
 
     def watch(self, tracker: Any, track: Track) -> Watched | None:
         """The test along the record of a tracker; None for one that has no intents."""
-        names: tuple[str, ...] = getattr(tracker, "intents", ())
+        names = intents_of(tracker)
         if not names or track.model_probabilities is None:
             return None
         after = np.asarray(track.model_probabilities)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Any, NamedTuple, Protocol
 
 import numpy as np
@@ -93,6 +94,20 @@ def to_ground(z: Array, R: Array, height: float | None) -> GroundPolar:
     return GroundPolar(distance, azimuth, variance, covariance, R[1, 1], usable)
 
 
+class Polar(Protocol):
+    """A measurement model of a radar."""
+
+    @property
+    def height(self) -> float | None:
+        """m of the target above the antenna; None: elevation is measured."""
+        ...
+
+
+def polar_rows(model: Polar) -> int:
+    """Range and azimuth, and elevation where the height is not known."""
+    return 3 if model.height is None else 2
+
+
 @dataclass(frozen=True)
 class LinearMeasurement:
     """Channels that are linear in the state as they stand: H (m, n) as nested tuples."""
@@ -125,9 +140,7 @@ class ConvertedPolar:
     height: Annotated[float | None, "given"] = None  # m of the target above the antenna; None: elevation is measured
     channels: Annotated[tuple[str, ...], "given"] = CARTESIAN
 
-    @property
-    def rows(self) -> int:
-        return 3 if self.height is None else 2
+    rows = cached_property(polar_rows)
 
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
         plot = to_ground(z, R, self.height)
@@ -155,9 +168,7 @@ class DebiasedPolar:
     height: Annotated[float | None, "given"] = None
     channels: Annotated[tuple[str, ...], "given"] = CARTESIAN
 
-    @property
-    def rows(self) -> int:
-        return 3 if self.height is None else 2
+    rows = cached_property(polar_rows)
 
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
         plot = to_ground(z, R, self.height)
@@ -189,9 +200,7 @@ class ExtendedPolar:
     height: Annotated[float | None, "given"] = None
     channels: Annotated[tuple[str, ...], "given"] = CARTESIAN
 
-    @property
-    def rows(self) -> int:
-        return 3 if self.height is None else 2
+    rows = cached_property(polar_rows)
 
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
         plot = to_ground(z, R, self.height)

@@ -9,13 +9,15 @@ holds (along, rate, cross, rate) and rotates mean and covariance at every change
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from tracking.gaussian import Gaussian, lift
+from tracking.gaussian import Gaussian, Innovation, lift, update
+from tracking.measurement import MeasurementModel
 from tracking.motion import CARTESIAN, GRAVITY, constant_velocity, double_integrator
 
 Array = Any
@@ -185,6 +187,81 @@ class Legs:
 def reference_path(route: Any, law: Law) -> ReferencePath:
     """The line itself, or the legs of a route whose turns are flown at the law's bank limit."""
     return route if isinstance(route, Line) else Legs(route, float(np.max(law.bank_limit)))
+
+
+class OnPath(Protocol):
+    """A tracker of an aircraft under a law along a path: what the functions of the same body are asked with."""
+
+    @property
+    def law(self) -> Law:
+        """As it is assumed to be."""
+        ...
+
+    @property
+    def route(self) -> Any:
+        """A `Line`, or a route."""
+        ...
+
+    @property
+    def path(self) -> Any:
+        """`reference_path` of the two, made once."""
+        ...
+
+    @property
+    def measurement(self) -> MeasurementModel:
+        """Of all its sensors."""
+        ...
+
+    @property
+    def acceleration_density(self) -> float:
+        """Of the process noise, m2/s3."""
+        ...
+
+    @property
+    def sub_step(self) -> float:
+        """For so long, s, the control is held."""
+        ...
+
+
+def path_of(tracker: OnPath) -> ReferencePath:
+    """The path of a tracker, for its ``path``."""
+    return reference_path(tracker.route, tracker.law)
+
+
+def channels_on_path(tracker: OnPath) -> tuple[str, ...]:
+    """Those of its path."""
+    channels: tuple[str, ...] = tracker.path.channels
+    return channels
+
+
+def begin_on_path(tracker: OnPath, prior: Gaussian) -> PathState:
+    """The prior with its place on the path."""
+    return PathState(prior, tracker.path.begin(prior.mean))
+
+
+def estimate_on_path(tracker: OnPath, state: PathState) -> Gaussian:
+    """The Gaussian of the state."""
+    return state.gaussian
+
+
+def ahead_in_sub_steps(
+    forward: Callable[[Law, Any, PathState, float, Any], Gaussian], tracker: OnPath, state: PathState, dt: float
+) -> PathState:
+    """The state dt later by ``forward``, an estimate after one sub-step; its place moves with it."""
+    count, step = sub_steps(dt, tracker.sub_step)
+    _, Q = uniform(tracker.path.axes, step, tracker.acceleration_density)
+    for _ in range(count):
+        gaussian = forward(tracker.law, tracker.path, state, step, Q)
+        state = PathState(gaussian, tracker.path.advance(state.place, gaussian.mean, step))
+    return state
+
+
+def corrected(tracker: OnPath, state: PathState, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
+    """The update: no law is in it, and the place is the prediction's."""
+    if z is None:
+        return state, None
+    gaussian, innovation = update(state.gaussian, *tracker.measurement.linearise(z, R, state.gaussian.mean))
+    return PathState(gaussian, state.place), innovation
 
 
 def sub_steps(dt: float, longest: float) -> tuple[int, float]:

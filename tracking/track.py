@@ -1,4 +1,26 @@
-"""What trackers are given and what they give back, and the only loop over time."""
+"""The contract of a tracker: what it is given and what it gives back; and the only loop over time.
+
+A kind of tracker is one file of ``tracking/trackers`` with one frozen dataclass that has all members of `Tracker`. The
+file's name is the ``kind`` of ``[trackers.NAME]``, its fields are the other keys, in SI and with their unit in the
+annotation: ``sub_step: Annotated[float, "s"] = 0.5`` is ``sub_step_s`` in a scenario. Nothing else knows the kind.
+`tracking.contract` tries a class on all this. Fields annotated ``"given"`` are absent from files; by their names the
+simulation fills
+
+    measurement   how plots become ``z = H x + v``, a `tracking.measurement.MeasurementModel` of all its sensors that
+                  give a place (with ``measured``: of those among its sensors that do)
+    measured      tuple of the names of the rows of z, "<sensor>.<quantity>", for a tracker that picks rows itself
+    zero_azimuth  rad clockwise from north, where the azimuth of its first sensor that measures one is zero
+    law           the control law of the autopilot, a `tracking.reference_path.Law`, as it is assumed to be
+    alternative_laws   the laws that the autopilot always has too, as designed, a tuple
+    route         the route as charted: its legs, their speeds, the steady wind
+
+and no others: never the true state, the active leg or the phase. A "given" field of another name needs a default.
+
+What a tracker may say besides, each read in one place: ``modes`` (`modes_of`), ``intents`` and ``switched``
+(`intents_of`), ``steer`` (`TimeStamped`). Trackers that differ in nothing but ``law`` are run as one, their laws
+stacked over the runs. A kind whose fields have no usable defaults says in ``example: ClassVar[dict[str, Any]]`` what a
+scenario would write, without ``kind``; its contract is tried with that.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +31,8 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, lift, merge
+
+LAW, ACCURACY = "law", "noise"  # how names of hypotheses begin, see `modes_of`
 
 
 @dataclass(frozen=True)
@@ -68,23 +92,43 @@ class Track(NamedTuple):
 
 
 class Tracker(Protocol):
-    """Anything that turns measurements into estimates; its state is passed, never hidden."""
+    """Anything that turns measurements into estimates; its state is passed, never hidden.
+
+    Every array has its matrix axes first and the runs of an ensemble last; a prior or an R without the axis serves all
+    runs. A run's estimate is the same whatever other runs stand beside it.
+    """
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of the components of ``estimate``: ("north", "north_rate", "east", "east_rate") for cartesian."""
+        """Names of the components of ``estimate``, on which the prior is given as well.
+
+        ("north", "north_rate", "east", "east_rate") for cartesian; else a quantity of a sensor, "<sensor>.azimuth",
+        or ``cross_track``, each with "", "_rate" or "_acceleration" behind it.
+        """
         ...
 
     def begin(self, prior: Gaussian) -> Any:
-        """State before the first measurement."""
+        """State before the first measurement, from a prior over ``channels``: mean (n, *B), cov (n, n, *C).
+
+        A state is made of (nested tuples of) arrays whose last axis is the runs, or of what all runs share.
+        """
         ...
 
     def step(self, state: Any, dt: float, z: Any | None, R: Any | None) -> tuple[Any, Innovation | None]:
-        """Predict by dt (s), then update with z (m, *B) where it is not None."""
+        """The state dt (s) later, then updated with z (m, *B) of the covariance R (m, m, *C).
+
+        z = None is pure prediction, and gives no innovation. NaN in z is a channel that was not measured in that run:
+        it changes nothing there, and its row and column of R say nothing. White is NaN where nothing was measured, NIS
+        and log likelihood are 0 in a run without any measurement. The state that is passed in is not changed, because a
+        look-ahead starts from it as well.
+
+        dt = 0 is a mere update: no time, no noise. A tracker that is not given ``measured`` comes out the same when it
+        predicts first and then updates over no time, because association among false plots does so.
+        """
         ...
 
     def estimate(self, state: Any) -> Gaussian | Mixture:
-        """What is believed now, in the declared space."""
+        """What is believed now over ``channels``; the covariance is symmetric and nowhere negative."""
         ...
 
 
@@ -95,6 +139,54 @@ class TimeStamped(Protocol):
     def steer(self, state: Any, z: Any, age: float) -> Any:
         """z (m, *B) of ``age`` seconds ago as it would read now, with the state predicted to now."""
         ...
+
+
+def modes_of(tracker: Any) -> tuple[str, ...]:
+    """What a tracker calls its hypotheses, in the order of the weights of its mixture; () = it names none.
+
+    Names that begin with `LAW` are drawn as control laws, those that begin with `ACCURACY` as accuracies of what is
+    measured, the stated one first.
+    """
+    return tuple(getattr(tracker, "modes", ()))
+
+
+def intents_of(tracker: Any) -> tuple[str, ...]:
+    """Whom each hypothesis of a tracker says the aircraft follows, the assumed law first; () = it says nothing of that.
+
+    A tracker that does also answers ``switched(probabilities (k, M, *B), dt (k, 1, 1) s)``: what they are dt later
+    before anything is measured.
+    """
+    return tuple(getattr(tracker, "intents", ()))
+
+
+class TrackerError(ValueError):
+    """A tracker that does not keep its contract; the sentence begins with the member."""
+
+
+def ask(tracker: Any, member: str, *arguments: Any) -> Any:
+    """What a member of a tracker's contract answers; what it raises becomes a `TrackerError`."""
+    try:
+        return getattr(tracker, member)(*arguments)
+    except MemoryError:
+        raise
+    except Exception as error:
+        raise TrackerError(f"{member} raises {type(error).__name__}: {' '.join(str(error).split())[:200]}") from error
+
+
+def stepped(tracker: Any, state: Any, dt: float, z: Any = None, R: Any = None) -> tuple[Any, Innovation | None]:
+    """``tracker.step``; raises `TrackerError`."""
+    answer = ask(tracker, "step", state, dt, z, R)
+    if not (isinstance(answer, tuple) and len(answer) == 2 and isinstance(answer[1], Innovation | None)):
+        raise TrackerError(f"step gives {type(answer).__name__}, not (state, Innovation or None)")
+    return answer
+
+
+def believed(tracker: Any, state: Any) -> Gaussian | Mixture:
+    """``tracker.estimate``; raises `TrackerError`."""
+    estimate = ask(tracker, "estimate", state)
+    if not isinstance(estimate, Gaussian | Mixture):
+        raise TrackerError(f"estimate gives {type(estimate).__name__}, not a Gaussian or a Mixture")
+    return estimate
 
 
 class Epoch(NamedTuple):
@@ -122,33 +214,38 @@ def follow(
     Raises
     ------
     ValueError : the prior does not fit, or holds after the first arrival.
+    TrackerError : the tracker does not keep its contract.
     """
     time, arrival = np.asarray(measurements.time, dtype=float), np.asarray(measurements.arrival, dtype=float)
     if not len(time):
         return
     batch = measurements.z.ndim - 2
-    state = tracker.begin(_checked(prior, batch))
+    state = ask(tracker, "begin", _checked(prior, batch))
     order = np.argsort(arrival, kind="stable")
     now = float(arrival[order[0]]) if start is None else float(start)
     _require(
         now <= arrival[order[0]], f"the prior holds at {now:g} s, after the first arrival at {arrival[order[0]]:g} s"
     )
-    steer = tracker.steer if isinstance(tracker, TimeStamped) else None
+    steers, fits = isinstance(tracker, TimeStamped), False
     plots = measurements.z if measurements.candidates is None else measurements.candidates
     nothing = np.isnan(plots).all(axis=tuple(range(1, plots.ndim))).tolist()
     for index in order.tolist():
         known = float(arrival[index])
         z, R, present = plots[index], lift(measurements.R[index], 2, batch), not nothing[index]
         with np.errstate(divide="ignore", invalid="ignore"):  # a lost run is a result: it goes on as NaN
-            if present and steer is not None and time[index] < known:
-                state, _ = tracker.step(state, known - now, None, None)
-                state, innovation = tracker.step(state, 0.0, steer(state, z, known - float(time[index])), R)
+            if present and steers and time[index] < known:
+                state, _ = stepped(tracker, state, known - now)
+                z = ask(tracker, "steer", state, z, known - float(time[index]))
+                state, innovation = stepped(tracker, state, 0.0, z, R)
             elif present:
-                state, innovation = tracker.step(state, known - now, z, R)
+                state, innovation = stepped(tracker, state, known - now, z, R)
             else:
-                state, innovation = tracker.step(state, known - now, None, None)
+                state, innovation = stepped(tracker, state, known - now)
             now = known
-            estimate = tracker.estimate(state)
+            estimate = believed(tracker, state)
+        if not fits:
+            _check_fit(tracker, estimate)
+            fits = True
         yield Epoch(index, now, estimate, innovation, state)
 
 
@@ -219,6 +316,13 @@ def _checked(prior: Gaussian, batch: int) -> Gaussian:
     _require(bool((skew <= 1e-9 * scale[:, None] * scale).all()), "the prior's covariance is not symmetric")
     _require(bool((np.einsum("ii...->i...", cov) >= 0.0).all()), "the prior's covariance has a negative variance")
     return Gaussian(lift(mean, 1, batch), lift(cov, 2, batch))
+
+
+def _check_fit(tracker: Tracker, estimate: Gaussian | Mixture) -> None:
+    """Raise `TrackerError` where an estimate has not the components that its tracker names."""
+    n, shape, mean = len(tracker.channels), np.shape(estimate.cov), np.shape(estimate.mean)
+    if mean[:1] != (n,) or shape[:2] != (n, n):
+        raise TrackerError(f"estimate has a mean of {mean[:1]} and a cov of {shape[:2]} for {n} channels")
 
 
 def _require(condition: bool, sentence: str) -> None:

@@ -1,4 +1,4 @@
-"""What wind events share: the smooth shape of their coming and going, and that each has a time or a place."""
+"""What wind events share: the smooth shape of their coming and going, their time or place, and the words for it."""
 
 from __future__ import annotations
 
@@ -16,6 +16,32 @@ def one_minus_cosine(share: float) -> float:
 def amplitude(speed: float, from_direction: float, up: float) -> tuple[float, float, float]:
     """(north, east, up), m/s, of a wind that blows from a direction, rad."""
     return -speed * math.cos(from_direction), -speed * math.sin(from_direction), up
+
+
+def scaled(share: float, full: tuple[float, float, float]) -> tuple[float, float, float]:
+    """A share of (north, east, up)."""
+    return (share * full[0], share * full[1], share * full[2]) if share else (0.0, 0.0, 0.0)
+
+
+def phrase(what: str, event: Any, where: str) -> str:
+    """What blows how much, from where, and when; ``where`` begins with a comma."""
+    parts = []
+    if event.up:
+        parts.append(f"{abs(event.up):.1f} m/s {'up' if event.up > 0.0 else 'down'}")
+    if event.speed:
+        parts.append(f"{event.speed:.1f} m/s from {math.degrees(event.from_) % 360:03.0f} deg")
+    return f"{what} of {' and '.join(parts) or 'no strength'}{where}{time_in_words(event.at, event.lasts)}"
+
+
+def place_in_words(past_threshold: float, right: float = 0.0) -> str:
+    """Where it is, by the runway."""
+    along = f"{abs(past_threshold):.0f} m {'past' if past_threshold > 0.0 else 'before'} the threshold"
+    return along + (f", {abs(right):.0f} m {'right' if right > 0.0 else 'left'} of the centreline" if right else "")
+
+
+def time_in_words(at: float | None, lasts: float | None) -> str:
+    """When it comes, as the end of a phrase; nothing for what is always there."""
+    return "" if at is None else f", from {at:.0f} s for {lasts:.3g} s"
 
 
 def check(event: Any, called: str) -> None:

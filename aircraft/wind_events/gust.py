@@ -5,9 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
-from aircraft.wind_events._occasion import amplitude, check, one_minus_cosine
+from aircraft.wind_event import Outline, circle
+from aircraft.wind_events._occasion import (
+    amplitude,
+    check,
+    one_minus_cosine,
+    phrase,
+    place_in_words,
+    scaled,
+)
 
 
 @dataclass(frozen=True)
@@ -28,6 +36,7 @@ class Gust:
     right: Annotated[float, "m"] = 0.0  # of the centreline
     length: Annotated[float | None, "m"] = None
     runway: Annotated[Any, "given"] = None  # where the threshold lies; needed by a gust at a place
+    example: ClassVar[dict[str, Any]] = {"up_mps": 6.0, "at_s": 20.0, "lasts_s": 4.0}
 
     def __post_init__(self) -> None:
         check(self, "a gust")
@@ -55,8 +64,19 @@ class Gust:
         self, time: float, position: tuple[float, float, float], airspeed: float
     ) -> tuple[float, float, float]:
         """(north, east, up), m/s."""
-        share = self.share(time, position[0], position[1])
-        if share == 0.0:
-            return 0.0, 0.0, 0.0
-        north, east, up = self._amplitude
-        return share * north, share * east, share * up
+        return scaled(self.share(time, position[0], position[1]), self._amplitude)
+
+    def words(self) -> str:
+        """A gust at a place has a length."""
+        if self.length is None or self.past_threshold is None:
+            return phrase("gust", self, "")
+        where = place_in_words(self.past_threshold, self.right)
+        return phrase("gust", self, f", {self.length:.0f} m long, {where}")
+
+    def outline(self) -> Outline:
+        """The edge of a gust at a place."""
+        return () if self.length is None else circle(*self._centre, self.length / 2)
+
+    def standing(self) -> None:
+        """A gust is passed before it costs energy."""
+        return None

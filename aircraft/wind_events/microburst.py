@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
-from aircraft.wind_events._occasion import FASTEST, one_minus_cosine
+from aircraft.wind_event import Outline, circle
+from aircraft.wind_events._occasion import FASTEST, one_minus_cosine, place_in_words, time_in_words
 
 GROWTH = -0.15  # c1: how the outflow dies away with height, over the height of its peak
 FRICTION = -3.214924  # c2: how it comes up from the ground; c1 exp(c1) = c2 exp(c2) puts the peak where it is said
@@ -35,6 +36,7 @@ class Microburst:
     at: Annotated[float | None, "s"] = None  # absent = there all the time
     lasts: Annotated[float | None, "s"] = None  # it swells and fades as one minus cosine
     runway: Annotated[Any, "given"] = None  # where the threshold lies
+    example: ClassVar[dict[str, Any]] = {"peak_mps": 11.0, "past_threshold_m": -2500.0}
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.peak <= FASTEST:
@@ -85,3 +87,16 @@ class Microburst:
         north, east = position[0] - middle_north, position[1] - middle_east
         out, up = self.outflow(math.hypot(north, east), position[2])
         return strength * out * north, strength * out * east, strength * up
+
+    def words(self) -> str:
+        """What, how strong, how large, where and when."""
+        where, when = place_in_words(self.past_threshold, self.right), time_in_words(self.at, self.lasts)
+        return f"microburst of {self.peak:.1f} m/s, {self.radius:.0f} m in radius, {where}{when}"
+
+    def outline(self) -> Outline:
+        """Where the outflow is greatest."""
+        return circle(*self.centre, self.radius)
+
+    def standing(self) -> Microburst:
+        """At its greatest strength."""
+        return replace(self, at=None, lasts=None)

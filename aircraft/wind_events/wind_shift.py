@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
-from aircraft.wind_events._occasion import amplitude, check, one_minus_cosine
+from aircraft.wind_event import Outline
+from aircraft.wind_events._occasion import (
+    amplitude,
+    check,
+    one_minus_cosine,
+    phrase,
+    place_in_words,
+    scaled,
+)
 
 
 @dataclass(frozen=True)
@@ -25,6 +33,7 @@ class WindShift:
     past_threshold: Annotated[float | None, "m"] = None
     length: Annotated[float | None, "m"] = None
     runway: Annotated[Any, "given"] = None  # where the threshold lies; needed by a shift at a place
+    example: ClassVar[dict[str, Any]] = {"speed_mps": 5.0, "from_deg": 200.0, "at_s": 20.0, "lasts_s": 4.0}
 
     def __post_init__(self) -> None:
         check(self, "a wind shift")
@@ -53,8 +62,18 @@ class WindShift:
         self, time: float, position: tuple[float, float, float], airspeed: float
     ) -> tuple[float, float, float]:
         """(north, east, up), m/s."""
-        share = self.share(time, position[0], position[1])
-        if share == 0.0:
-            return 0.0, 0.0, 0.0
-        north, east, up = self._amplitude
-        return share * north, share * east, share * up
+        return scaled(self.share(time, position[0], position[1]), self._amplitude)
+
+    def words(self) -> str:
+        """A shift at a place grows over a length."""
+        if self.length is None or self.past_threshold is None:
+            return phrase("wind shift", self, "")
+        return phrase("wind shift", self, f", over {self.length:.0f} m from {place_in_words(self.past_threshold)}")
+
+    def outline(self) -> Outline:
+        """None: it blows on everything behind its line."""
+        return ()
+
+    def standing(self) -> WindShift | None:
+        """A shift at a place."""
+        return None if self.length is None else self

@@ -35,8 +35,9 @@ def kind_lines() -> list[str]:
         package, _ = catalogue.FOLDERS[family]
         rows = []
         for kind in catalogue.kinds(family):
-            text = Path(find_spec(f"{package}.{kind}").origin).read_text()  # type: ignore[union-attr, arg-type]
-            rows.append((kind, (ast.get_docstring(ast.parse(text)) or "").splitlines()[0]))
+            spec = find_spec(f"{package}.{kind}")
+            text = "" if spec is None or spec.origin is None else Path(spec.origin).read_text()
+            rows.append((kind, (ast.get_docstring(ast.parse(text)) or " ").splitlines()[0]))
         lines += [title, *(f"  {line}" for line in _aligned(rows)), ""]
     return lines[:-1]
 

@@ -20,7 +20,7 @@ def alike(one: Any, other: Any) -> bool:
 
     The bank limit must be equal too, because it plans the turns of the route.
     """
-    if type(one) is not type(other) or not dataclasses.is_dataclass(one) or not hasattr(one, "law"):
+    if type(one) is not type(other) or "law" not in getattr(one, "__dataclass_fields__", {}):
         return False
     if type(one.law) is not type(other.law) or one.law.bank_limit != other.law.bank_limit:
         return False

@@ -9,7 +9,7 @@ import numpy as np
 
 from tracking.association import ProbabilisticDataAssociation
 from tracking.gaussian import Gaussian, Innovation, Mixture
-from tracking.track import Tracker
+from tracking.track import Tracker, modes_of
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class AmongFalsePlots:
     @property
     def modes(self) -> tuple[str, ...]:
         """What the tracker calls its hypotheses, for the report."""
-        return tuple(getattr(self.tracker, "modes", ()))
+        return modes_of(self.tracker)
 
     def begin(self, prior: Gaussian) -> Any:
         """State before the first plot."""

@@ -11,7 +11,7 @@ from sim.flight.interpolation import truth_at
 from sim.flight.record import Flight
 from sim.metrics import comparison
 from tracking.gaussian import Mixture, merge
-from tracking.track import Epoch
+from tracking.track import Epoch, believed, stepped
 from tracking.tree import narrowed, side_by_side
 
 SPANS = (20.0, 60.0, 120.0)  # s
@@ -53,8 +53,8 @@ class LookAhead:
                 if not within.any():
                     break
                 with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-                    state, _ = tracker.step(state, span - done, None, None)
-                    estimate = tracker.estimate(state)
+                    state, _ = stepped(tracker, state, span - done)
+                    estimate = believed(tracker, state)
                     mean, cov = merge(estimate) if isinstance(estimate, Mixture) else estimate
                 done = span
                 for twin, squares in enumerate(self._squares(times + span, within, mean, cov)):

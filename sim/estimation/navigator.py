@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -16,8 +18,18 @@ from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.randomness import Streams
 from tracking.gaussian import Gaussian, Mixture, merge
+from tracking.track import TrackerError, ask, believed, stepped
 
 DECISION_HEIGHT = 60.0  # m; below, the height is the radio altimeter's
+
+
+@contextmanager
+def _in_the_loop() -> Iterator[None]:
+    """What the tracker breaks of its contract becomes a sentence of the scenario."""
+    try:
+        yield
+    except TrackerError as error:
+        raise ScenarioError(f"[autopilot] navigation: its tracker's {error}") from error
 
 
 class Sight(NamedTuple):
@@ -58,6 +70,7 @@ class Navigator:
         extra = (one for one in (self.ranging, self.altimeter) if one is not None)
         return (*self.listened, *extra)
 
+    @_in_the_loop()
     def begin(self, state: AircraftState) -> tuple[Sight, AircraftState]:
         """The sight at the start and what is seen then."""
         start = prior(
@@ -72,10 +85,11 @@ class Navigator:
         sensors = tuple(
             sensor.begin(state.time, Streams(self.seed, self.flight, 1, name)) for name, sensor in self.sensors
         )
-        tracker = self.tracker.begin(_batched(start))
+        tracker = ask(self.tracker, "begin", _batched(start))
         sight = Sight(sensors, tracker, state.time, tracker, state.time, (), math.nan, math.nan)
         return sight, self._seen(sight, state)
 
+    @_in_the_loop()
     def step(self, sight: Sight, before: AircraftState, after: AircraftState) -> tuple[Sight, AircraftState]:
         """The sight one record later and what is seen then; looks count from their arrival."""
         states, pending = [], list(sight.pending)
@@ -91,7 +105,7 @@ class Navigator:
             known = known[len(together) :]
             sight = self._take(sight, together)
         if after.time > sight.now:
-            ahead, _ = self.tracker.step(sight.ahead, after.time - sight.now, None, None)
+            ahead, _ = stepped(self.tracker, sight.ahead, after.time - sight.now)
             sight = sight._replace(ahead=ahead, now=after.time)
         return sight, self._seen(sight, after)
 
@@ -112,22 +126,22 @@ class Navigator:
         if np.isnan(z).all():
             return sight
         with np.errstate(divide="ignore", invalid="ignore"):  # a lost track is a result
-            tracker, _ = self.tracker.step(sight.tracker, arrival - sight.time, z, R)
+            tracker, _ = stepped(self.tracker, sight.tracker, arrival - sight.time, z, R)
         return sight._replace(tracker=tracker, time=arrival, ahead=tracker, now=arrival)
 
     def _seen(self, sight: Sight, state: AircraftState) -> AircraftState:
         """The aircraft's own state with what the tracker believes now, by its own prediction."""
-        estimate = self.tracker.estimate(sight.ahead)
+        estimate = believed(self.tracker, sight.ahead)
         mean = (merge(estimate) if isinstance(estimate, Mixture) else estimate).mean
-        believed = {name: float(np.ravel(value)[0]) for name, value in zip(self.tracker.channels, mean, strict=True)}
-        if "north" in believed:
+        values = {name: float(np.ravel(value)[0]) for name, value in zip(self.tracker.channels, mean, strict=True)}
+        if "north" in values:
             return state._replace(
-                north=believed["north"],
-                east=believed["east"],
-                velocity_north=believed["north_rate"],
-                velocity_east=believed["east_rate"],
+                north=values["north"],
+                east=values["east"],
+                velocity_north=values["north_rate"],
+                velocity_east=values["east_rate"],
             )
-        return state._replace(height=self._height(sight, state, believed))
+        return state._replace(height=self._height(sight, state, values))
 
     def _height(self, sight: Sight, state: AircraftState, believed: dict[str, float]) -> float:
         elevation = next(value for name, value in believed.items() if name.endswith(".elevation"))

@@ -12,6 +12,7 @@ from sim.flight.preparation import Prepared
 from sim.scenario import catalogue
 from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
+from tracking.contract import missing_members
 from tracking.measurement import DebiasedPolar, LinearMeasurement, Stacked
 
 
@@ -35,7 +36,14 @@ def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, st
 
     Raises ``ScenarioError`` where its sensors do not give what it needs.
     """
-    cls = catalogue.load("trackers", choice.kind)
+    tracker, law_from = build_class(catalogue.load("trackers", choice.kind), prepared, name, choice)
+    for missing in missing_members(tracker):
+        raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}': {missing}")
+    return tracker, law_from
+
+
+def build_class(cls: type, prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, str | None]:
+    """`build` for a class that need not stand in the catalogue; `tracking.track` lists what a tracker may be given."""
     wanted = _given(cls)
     sensors = {sensor: prepared.scenario.sensors[sensor] for sensor in choice.sensors}
     supplied: dict[str, Any] = {}
@@ -164,4 +172,6 @@ def measurement_model(sensors: dict[str, Any], height: float, name: str) -> Any:
                 f"[trackers.{name}] sensors: '{sensor_name}' measures {', '.join(sensor.channels)}, "
                 f"which is no position"
             )
+    if not models:
+        raise ScenarioError(f"[trackers.{name}] sensors: none of them gives a position")
     return models[0] if len(models) == 1 else Stacked(tuple(models))

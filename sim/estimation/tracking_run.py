@@ -20,7 +20,7 @@ from sim.observation.record import SensorRecord, measurements
 from sim.workers.helper_process import ALONE, SecondProcess
 from tracking.conformance import CONFORMANCE
 from tracking.gaussian import Gaussian, Mixture, merge
-from tracking.track import Measurements, Track, follow
+from tracking.track import Measurements, Track, TrackerError, believed, follow, modes_of, stepped
 from tracking.track import track as run_tracker
 
 
@@ -124,9 +124,13 @@ def _followed(
     trackers = [entry.tracker for entry in twins]
     ahead = LookAhead(trackers, flight, record.arrival, watched)
     one = as_one(trackers, record.z.shape[2])
-    tracks = apart(run_tracker(one, *repeated(record, prior, len(twins)), first.start, ahead), len(twins))
+    try:
+        tracks = apart(run_tracker(one, *repeated(record, prior, len(twins)), first.start, ahead), len(twins))
+        looks = ahead.figures()
+    except TrackerError as error:
+        raise ScenarioError(f"[trackers.{first.name}] {error}") from error
     found = []
-    for entry, followed, looked in zip(twins, tracks, ahead.figures(), strict=True):
+    for entry, followed, looked in zip(twins, tracks, looks, strict=True):
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
             judged = judge(flight, watched, chart_height(prepared), followed, record)
             seen = CONFORMANCE.watch(entry.tracker, followed)
@@ -153,7 +157,7 @@ def _twins(entries: list[Entry]) -> list[list[Entry]]:
 
 def _size(twins: list[Entry]) -> int:
     """How many hypotheses run as one: the longest work goes first where it is shared."""
-    return sum(len(getattr(entry.tracker, "modes", ())) or 1 for entry in twins)
+    return sum(len(modes_of(entry.tracker)) or 1 for entry in twins)
 
 
 def begins(
@@ -222,9 +226,11 @@ def _handed_over(
     if begun is None:
         return None
     prior = _prior(prepared, flight, records, name, tracker, begun, number)
-    *_, last = follow(tracker, _between(record, begun, math.inf), prior, start=begun)
-    state, _ = tracker.step(last.state, start - last.time, None, None)
-    estimate = tracker.estimate(state)
+    try:
+        *_, last = follow(tracker, _between(record, begun, math.inf), prior, start=begun)
+        estimate = believed(tracker, stepped(tracker, last.state, start - last.time)[0])
+    except TrackerError as error:
+        raise ScenarioError(f"[trackers.{name}] {error}") from error
     mean, cov = merge(estimate) if isinstance(estimate, Mixture) else estimate
     rows = [tracker.channels.index(component) for component in wanted]
     return Gaussian(mean[rows], cov[np.ix_(rows, rows)])

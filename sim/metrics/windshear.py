@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from typing import Any
 
 import numpy as np
 
@@ -12,9 +10,10 @@ from aircraft.airframe import load
 from aircraft.errors import TrimError
 from aircraft.state import STANDARD_GRAVITY
 from aircraft.trim import trim
-from aircraft.wind_events.microburst import Microburst
+from aircraft.wind_event import WindEvent
 from sim.flight.preparation import TIME_LIMIT, Prepared
 from sim.flight.record import Flight
+from sim.flight.weather import kind_in_words
 from sim.scenario.tables import Runway
 from sim.workers.isolation import apart
 
@@ -50,7 +49,7 @@ def averaged_f_factor(flight: Flight) -> np.ndarray:
     return averaged(f_factor(flight), flown)
 
 
-def worst_on_the_glide_path(event: Any, runway: Runway, airspeed: float, height: float) -> float:
+def worst_on_the_glide_path(event: WindEvent, runway: Runway, airspeed: float, height: float) -> float:
     """Greatest F-factor over a kilometre of the glide path below ``height`` (m) that a standing event brings.
 
     The wind is taken small beside the airspeed, so the result is proportional to the strength of the event.
@@ -70,22 +69,23 @@ def worst_on_the_glide_path(event: Any, runway: Runway, airspeed: float, height:
 
 
 def outlook(prepared: Prepared) -> list[str]:
-    """A sentence for each microburst on an approach: what it takes, and what full power has against it."""
+    """A sentence for each event that stands on an approach: what it takes, and what full power has against it."""
     scenario, landing = prepared.scenario, prepared.autopilot.landing
-    bursts = {name: event for name, event in scenario.wind.events.items() if isinstance(event, Microburst)}
-    if landing is None or not bursts:
+    standing = {name: event.standing() for name, event in scenario.wind.events.items()}
+    if landing is None or all(event is None for event in standing.values()):
         return []
     try:
         reserve = apart(scenario, TIME_LIMIT, steepest_climb, prepared) + math.sin(scenario.runway.glide_path)
     except TrimError as error:
-        return [f"energy against microbursts: {error}"]
+        return [f"energy against wind events: {error}"]
     said = []
-    for name, event in bursts.items():
-        still = dataclasses.replace(event, at=None, lasts=None)
-        worst = worst_on_the_glide_path(still, scenario.runway, landing.approach_speed, landing.gate.height)
+    for name, event in standing.items():
+        if event is None:
+            continue
+        worst = worst_on_the_glide_path(event, scenario.runway, landing.approach_speed, landing.gate.height)
         said.append(
-            f"microburst '{name}': F-factor up to {worst:.3f} over a kilometre of the glide path below "
-            f"{landing.gate.height:.0f} m; full power with landing flaps, and the descent, bear {reserve:.3f}"
+            f"{kind_in_words(scenario, name)} '{name}': F-factor up to {worst:.3f} over a kilometre of the glide path "
+            f"below {landing.gate.height:.0f} m; full power with landing flaps, and the descent, bear {reserve:.3f}"
         )
     return said
 

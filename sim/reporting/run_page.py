@@ -61,7 +61,7 @@ def write(
     flight_charts = second.later(charts, flight, scenario, law)
     trackers, tracked, records = metrics.get("trackers") or {}, tracked or {}, records or {}
     modes = {
-        name: mode_names((built or {}).get(name), trackers[name]["kind"], one.track.model_probabilities.shape[1])
+        name: mode_names((built or {}).get(name), one.track.model_probabilities.shape[1])
         for name, one in tracked.items()
         if one.track.model_probabilities is not None
     }

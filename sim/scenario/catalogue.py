@@ -8,6 +8,8 @@ import pkgutil
 from importlib import resources
 from typing import Any
 
+from sim.errors import ScenarioError
+
 FOLDERS = {
     "sensors": ("sim.observation.sensors", "step"),
     "trackers": ("tracking.trackers", "step"),
@@ -27,7 +29,7 @@ def kinds(family: str) -> list[str]:
 def load(family: str, kind: str) -> type[Any]:
     """The class of a kind: the one dataclass of its file that has the family's method.
 
-    Raises ``KeyError`` for a kind that has no file.
+    Raises ``KeyError`` for a kind that has no file, ``ScenarioError`` for a file that defines none.
     """
     package, method = FOLDERS[family]
     if kind not in kinds(family):
@@ -42,7 +44,7 @@ def load(family: str, kind: str) -> type[Any]:
         and hasattr(thing, method)
     ]
     if len(found) != 1:
-        raise TypeError(f"{module.__name__} must define exactly one dataclass with '{method}', found {len(found)}")
+        raise ScenarioError(f"{module.__name__} must define exactly one dataclass with '{method}', found {len(found)}")
     return found[0]
 
 

@@ -134,11 +134,13 @@ def model_of(
 
 
 def construct(cls: type, table: dict[str, Any], **given: Any) -> Any:
-    """An instance from a validated table, converted to SI; ``given`` fills what files never say.
+    """An instance from a validated table, converted to SI; ``given`` fills what files never say, where it has a field.
 
     Raises ``ValueError`` in the class's own words when a value is out of its range.
     """
-    return cls(**{**given, **given_values(cls, table)})
+    fields = {field.name for field in dataclasses.fields(cls)}
+    asked = {name: value for name, value in given.items() if name in fields}
+    return cls(**{**asked, **given_values(cls, table)})
 
 
 def given_values(cls: type, table: dict[str, Any]) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from aircraft.wind_event import broken_promises
 from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import catalogue
 from sim.scenario.messages import faults_of, stem, told
@@ -141,9 +142,7 @@ def _build(origin: str, tables: dict[str, Any]) -> Scenario:
     trackers = {name: _tracker(faults, name, entry, tables) for name, entry in tables.get("trackers", {}).items()}
     wind_table = tables.get("wind", {})
     events = {
-        name: _construct(
-            faults, f"[wind.events.{name}]", catalogue.load("wind_events", entry["kind"]), entry, runway=runway
-        )
+        name: _event(faults, f"[wind.events.{name}]", entry, runway)
         for name, entry in wind_table.get("events", {}).items()
     }
     scenario = {
@@ -197,6 +196,15 @@ def _construct(faults: list[str], place: str, cls: type, table: dict[str, Any], 
     except ValueError as error:
         faults.append(f"{place} {error}")
         return None
+
+
+def _event(faults: list[str], place: str, table: dict[str, Any], runway: Runway) -> Any:
+    """A wind event that keeps its contract; what one breaks is a fault of the file that names it."""
+    cls = catalogue.load("wind_events", table["kind"])
+    event = _construct(faults, place, cls, table, runway=runway)
+    if event is not None:
+        faults += [f"{place} kind '{table['kind']}': {broken}" for broken in broken_promises(cls, lambda: event)]
+    return event
 
 
 def _tracker(faults: list[str], name: str, table: dict[str, Any], tables: dict[str, Any]) -> TrackerChoice:

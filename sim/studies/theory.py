@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import json
 import math
@@ -15,7 +14,9 @@ from autopilot.design import law_of_frequency
 from autopilot.limit_cycles import LimitedLoop, caught, limited_loop, onset
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset
+from sim.errors import ScenarioError
 from sim.scenario.model import Scenario
+from sim.scenario.parameters import construct
 from sim.scenario.reading import override, read
 from sim.scenario.tables import LegsTable, PatternTable
 
@@ -81,7 +82,7 @@ def gain_needs(scenario: Scenario) -> str:
 
 
 def energy_border(law: Any, scenario: Scenario, places: np.ndarray) -> np.ndarray:
-    """The strength of a microburst, m/s, above which full power cannot hold speed and glide path, over its place, m.
+    """The strength of an event, m/s, above which full power cannot hold speed and glide path, over its place, m.
 
     Through the air the energy height changes by V ((thrust - drag) / weight - F), and on the glide path it must fall by
     V sin(glide path): no power holds both once F, over a kilometre, exceeds the steepest climb and the glide path.
@@ -94,11 +95,14 @@ def energy_border(law: Any, scenario: Scenario, places: np.ndarray) -> np.ndarra
     landing = prepared.autopilot.landing
     assert landing is not None
     reserve = apart(scenario, TIME_LIMIT, steepest_climb, prepared) + math.sin(scenario.runway.glide_path)
-    burst = dataclasses.replace(scenario.wind.events["burst"], peak=1.0, at=None, lasts=None)
+    table = override(scenario.tables["wind"]["events"]["burst"], "peak_mps", 1.0)
+    cls = type(scenario.wind.events["burst"])
 
     def strength(place: float) -> float:
-        there = dataclasses.replace(burst, past_threshold=place)
-        worst = worst_on_the_glide_path(there, scenario.runway, landing.approach_speed, landing.gate.height)
+        event = construct(cls, override(table, "past_threshold_m", place), runway=scenario.runway).standing()
+        if event is None:  # of a kind that costs no energy
+            return math.inf
+        worst = worst_on_the_glide_path(event, scenario.runway, landing.approach_speed, landing.gate.height)
         return reserve / worst if worst > 0.0 else math.inf
 
     return np.array([strength(float(place)) for place in places])
@@ -163,7 +167,10 @@ THEORIES = {
 
 
 def border(name: str, scenario: Scenario, x: np.ndarray) -> np.ndarray:
-    """Values of y on the first border of a theory, over values of x."""
+    """Values of y on the first border of a theory, over values of x; raises ``ScenarioError`` where it has none."""
+    lacking = THEORIES[name].needs(scenario)
+    if lacking:
+        raise ScenarioError(f'{scenario.name}: theory "{name}" needs {lacking}')
     return THEORIES[name].lines(scenario, x, np.zeros(1))[0].y
 
 

@@ -8,10 +8,11 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from tracking.gaussian import Gaussian, Innovation, predict, update
+from tracking.gaussian import Gaussian, Innovation, update
 from tracking.intervals import chi_square
-from tracking.measurement import MeasurementModel
+from tracking.measurement import Linear, MeasurementModel
 from tracking.motion import ConstantVelocity, Motion
+from tracking.trackers.kalman import filtered
 
 STRAIGHT = ConstantVelocity()
 
@@ -45,15 +46,14 @@ class Gated:
         return prior
 
     def step(self, state: Gaussian, dt: float, z: Any | None, R: Any | None) -> tuple[Gaussian, Innovation | None]:
-        if dt > 0.0:
-            state = predict(state, *self.motion.transition(dt, state.mean))
-        if z is None:
-            return state, None
-        posterior, innovation = update(state, *self.measurement.linearise(z, R, state.mean))
+        return filtered(self.motion, self.measurement, self._gate, state, dt, z, R)
+
+    def estimate(self, state: Gaussian) -> Gaussian:
+        return state
+
+    def _gate(self, state: Gaussian, linear: Linear) -> tuple[Gaussian, Innovation]:
+        posterior, innovation = update(state, *linear)
         accepted = innovation.nis <= self._limits[np.isfinite(innovation.white).sum(axis=0)]
         if np.all(accepted):
             return posterior, innovation
         return Gaussian(*(np.where(accepted, *pair) for pair in zip(posterior, state, strict=True))), innovation
-
-    def estimate(self, state: Gaussian) -> Gaussian:
-        return state

@@ -7,9 +7,10 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from tracking.gaussian import Gaussian, Innovation, lift, predict, update
-from tracking.measurement import MeasurementModel
+from tracking.gaussian import Gaussian, Innovation, lift, update
+from tracking.measurement import Linear, MeasurementModel
 from tracking.motion import ConstantVelocity, Motion
+from tracking.trackers.kalman import filtered
 
 STRAIGHT = ConstantVelocity()
 TURNS = 20  # of the search for the far channels; two or three are usual
@@ -41,11 +42,12 @@ class Huber:
         return prior
 
     def step(self, state: Gaussian, dt: float, z: Any | None, R: Any | None) -> tuple[Gaussian, Innovation | None]:
-        if dt > 0.0:
-            state = predict(state, *self.motion.transition(dt, state.mean))
-        if z is None:
-            return state, None
-        linear = self.measurement.linearise(z, R, state.mean)
+        return filtered(self.motion, self.measurement, self._robust, state, dt, z, R)
+
+    def estimate(self, state: Gaussian) -> Gaussian:
+        return state
+
+    def _robust(self, state: Gaussian, linear: Linear) -> tuple[Gaussian, Innovation]:
         posterior, innovation = update(state, *linear)
         batch = posterior.mean.ndim - 1
         H, P = lift(linear.H, 2, batch), lift(state.cov, 2, batch)
@@ -57,9 +59,7 @@ class Huber:
             if np.array_equal(now, far):
                 break
             far = now
-            pull = np.einsum("ij...,kj...,k...->i...", P, H, far * self.tuning / sigma)
+            force = np.where(far, far * self.tuning / sigma, 0.0)  # what is absent has no sigma, and no force
+            pull = np.einsum("ij...,kj...,k...->i...", P, H, force)
             posterior, _ = update(Gaussian(state.mean + pull, P), np.where(far, np.nan, linear.z), H, linear.R)
         return posterior, innovation
-
-    def estimate(self, state: Gaussian) -> Gaussian:
-        return state

@@ -33,6 +33,7 @@ class ModelSet(NamedTuple):
     switching: tuple[tuple[float, ...], ...]
     probabilities: tuple[float, ...]
     period: float | None = None  # s
+    names: tuple[str, ...] = ()  # of the models, for reports; () = they have none
 
 
 def published_set(acceleration_density: float = 0.01, slow: float = -0.001, fast: float = -0.045) -> ModelSet:
@@ -50,6 +51,7 @@ def published_set(acceleration_density: float = 0.01, slow: float = -0.001, fast
         ((0.99, 0.01, 0.0), (0.01, 0.98, 0.01), (0.0, 0.01, 0.99)),
         (8 / 15, 5 / 15, 2 / 15),
         0.7,
+        ("slow left turn", "fast left turn", "straight"),
     )
 
 
@@ -79,6 +81,7 @@ def improved_set(
         ),
         (0.7, 0.1, 0.1, 0.1),
         0.7,
+        ("straight", "slowing down", "right turn", "left turn"),
     )
 
 
@@ -109,6 +112,11 @@ class InteractingMultipleModel:
     @property
     def channels(self) -> tuple[str, ...]:
         return self._set.models[0].channels
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of the models."""
+        return self._set.names
 
     def begin(self, prior: Gaussian) -> Mixture:
         batch = prior.mean.ndim - 1
@@ -173,7 +181,7 @@ def _side_by_side(matrices: list[Any]) -> Any:
 
 
 def _check(model_set: ModelSet) -> None:
-    models, switching, probabilities, period = model_set
+    models, switching, probabilities, period, names = model_set
     count = len(models)
     if not count:
         raise ValueError("a model set needs at least one model")
@@ -188,6 +196,8 @@ def _check(model_set: ModelSet) -> None:
     for i, row in enumerate(switching):
         if abs(sum(row) - 1.0) > 1e-12:
             raise ValueError(f"row {i} of the switching matrix sums to {sum(row):.12g}, not to one")
+    if names and len(names) != count:
+        raise ValueError(f"there must be {count} names of models, not {len(names)}")
     if period is not None and not period > 0.0:
         raise ValueError("the period of the switching matrix must be positive")
     if abs(sum(probabilities) - 1.0) > 1e-12:

@@ -30,6 +30,11 @@ class PublishedModels:
         models = published_set(self.acceleration_density, self.slow_turn_rate, self.fast_turn_rate)
         return InteractingMultipleModel(self.measurement, models)
 
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of the models."""
+        return self._filter.modes
+
     def begin(self, prior: Gaussian) -> Mixture:
         return self._filter.begin(prior)
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
 from tracking.gaussian import Gaussian, Innovation, predict, update
-from tracking.measurement import MeasurementModel
+from tracking.measurement import Linear, MeasurementModel
 from tracking.motion import ConstantVelocity, Motion
 
 STRAIGHT = ConstantVelocity()
@@ -31,11 +32,28 @@ class Kalman:
         return prior
 
     def step(self, state: Gaussian, dt: float, z: Any | None, R: Any | None) -> tuple[Gaussian, Innovation | None]:
-        if dt > 0.0:
-            state = predict(state, *self.motion.transition(dt, state.mean))
-        if z is None:
-            return state, None
-        return update(state, *self.measurement.linearise(z, R, state.mean))
+        return filtered(self.motion, self.measurement, _conditioned, state, dt, z, R)
 
     def estimate(self, state: Gaussian) -> Gaussian:
         return state
+
+
+def filtered(
+    motion: Motion,
+    measurement: MeasurementModel,
+    condition: Callable[[Gaussian, Linear], tuple[Gaussian, Innovation]],
+    state: Gaussian,
+    dt: float,
+    z: Any | None,
+    R: Any | None,
+) -> tuple[Gaussian, Innovation | None]:
+    """One step of every filter with one motion model; ``condition`` is what it does with a measurement."""
+    if dt > 0.0:
+        state = predict(state, *motion.transition(dt, state.mean))
+    if z is None:
+        return state, None
+    return condition(state, measurement.linearise(z, R, state.mean))
+
+
+def _conditioned(state: Gaussian, linear: Linear) -> tuple[Gaussian, Innovation]:
+    return update(state, *linear)

@@ -6,21 +6,24 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any
 
-from tracking.gaussian import Gaussian, Innovation, predict, update
+from tracking.gaussian import Gaussian, Innovation, predict
 from tracking.measurement import MeasurementModel
 from tracking.motion import GRAVITY, constant_velocity
 from tracking.reference_path import (
     Law,
     PathState,
     ReferencePath,
+    ahead_in_sub_steps,
+    begin_on_path,
+    channels_on_path,
     check_tuning,
+    corrected,
     embed,
+    estimate_on_path,
     folded,
+    path_of,
     push,
-    reference_path,
     steering,
-    sub_steps,
-    uniform,
 )
 
 
@@ -42,31 +45,13 @@ class LawEkf:
     def __post_init__(self) -> None:
         check_tuning(self.acceleration_density, self.sub_step)
 
-    @cached_property
-    def _path(self) -> ReferencePath:
-        return reference_path(self.route, self.law)
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        return self._path.channels
-
-    def begin(self, prior: Gaussian) -> PathState:
-        return PathState(prior, self._path.begin(prior.mean))
+    path, channels = cached_property(path_of), cached_property(channels_on_path)
+    begin, estimate = begin_on_path, estimate_on_path
 
     def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
         if dt > 0.0:
-            count, step = sub_steps(dt, self.sub_step)
-            _, Q = uniform(self._path.axes, step, self.acceleration_density)
-            for _ in range(count):
-                gaussian = advance(self.law, self._path, state, step, Q)
-                state = PathState(gaussian, self._path.advance(state.place, gaussian.mean, step))
-        if z is None:
-            return state, None
-        gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return PathState(gaussian, state.place), innovation
-
-    def estimate(self, state: PathState) -> Gaussian:
-        return state.gaussian
+            state = ahead_in_sub_steps(advance, self, state, dt)
+        return corrected(self, state, z, R)
 
 
 def advance(law: Law, path: ReferencePath, state: PathState, dt: float, Q: Any) -> Gaussian:

@@ -8,18 +8,21 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from tracking.gaussian import Gaussian, Innovation, predict, update
+from tracking.gaussian import Gaussian, Innovation, predict
 from tracking.measurement import MeasurementModel
 from tracking.motion import GRAVITY, closed_loop
 from tracking.reference_path import (
     Law,
     Line,
     PathState,
-    ReferencePath,
+    begin_on_path,
+    channels_on_path,
     check_tuning,
     closed,
+    corrected,
     embed,
-    reference_path,
+    estimate_on_path,
+    path_of,
     steering,
     sub_steps,
     uniform,
@@ -47,48 +50,29 @@ class LinearFeedback:
     def __post_init__(self) -> None:
         check_tuning(self.acceleration_density, self.sub_step)
 
-    @cached_property
-    def _path(self) -> ReferencePath:
-        return reference_path(self.route, self.law)
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        return self._path.channels
-
-    def begin(self, prior: Gaussian) -> PathState:
-        return PathState(prior, self._path.begin(prior.mean))
-
-    def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
-        if dt > 0.0:
-            state = self._on_line(state, dt) if isinstance(self._path, Line) else self._on_legs(state, dt)
-        if z is None:
-            return state, None
-        gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return PathState(gaussian, state.place), innovation
-
-    def estimate(self, state: PathState) -> Gaussian:
-        return state.gaussian
+    path, channels = cached_property(path_of), cached_property(channels_on_path)
+    begin, estimate = begin_on_path, estimate_on_path
 
     def _on_line(self, state: PathState, dt: float) -> PathState:
         """By (8), with the gains of the middle of the step: one covariance for all runs."""
         on_line = np.zeros(2)
-        middle = self._path.advance(state.place, on_line, 0.5 * dt)
-        control = steering(self.law, self._path, middle, on_line)
+        middle = self.path.advance(state.place, on_line, 0.5 * dt)
+        control = steering(self.law, self.path, middle, on_line)
         stiffness, damping = -GRAVITY * float(control.per_cross_track), -GRAVITY * float(control.per_cross_track_rate)
         F, Q = closed_loop(dt, stiffness, damping, self.acceleration_density)
-        return PathState(predict(state.gaussian, F, Q), self._path.advance(state.place, on_line, dt))
+        return PathState(predict(state.gaussian, F, Q), self.path.advance(state.place, on_line, dt))
 
     def _on_legs(self, state: PathState, dt: float) -> PathState:
         count, step = sub_steps(dt, self.sub_step)
-        F, Q = uniform(self._path.axes, step, self.acceleration_density)
+        F, Q = uniform(self.path.axes, step, self.acceleration_density)
         for _ in range(count):
             (mean, cov), place = state
-            normal = self._path.normal(place)
-            deviation = self._path.deviation(place, mean)
+            normal = self.path.normal(place)
+            deviation = self.path.deviation(place, mean)
             off_leg = np.empty_like(mean)
             off_leg[0::2], off_leg[1::2] = normal * deviation.cross_track, normal * deviation.cross_track_rate
             on_leg = mean - off_leg
-            control = steering(self.law, self._path, place, on_leg)
+            control = steering(self.law, self.path, place, on_leg)
             transition, noise = closed(control, step, Q[:2, :2])
             moved = predict(
                 Gaussian(off_leg, cov),
@@ -96,5 +80,10 @@ class LinearFeedback:
                 embed(normal, noise, Q[:2, :2]),
                 F @ on_leg,
             )
-            state = PathState(moved, self._path.advance(place, moved.mean, step))
+            state = PathState(moved, self.path.advance(place, moved.mean, step))
         return state
+
+    def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
+        if dt > 0.0:
+            state = self._on_line(state, dt) if isinstance(self.path, Line) else self._on_legs(state, dt)
+        return corrected(self, state, z, R)

@@ -8,10 +8,20 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from tracking.gaussian import Gaussian, Innovation, lift, predict, update
+from tracking.gaussian import Gaussian, Innovation, lift, predict
 from tracking.measurement import MeasurementModel
 from tracking.motion import CARTESIAN, GRAVITY, course_kinematics
-from tracking.reference_path import Law, Legs, PathState, check_tuning, steering, sub_steps, uniform
+from tracking.reference_path import (
+    Law,
+    Legs,
+    PathState,
+    ahead_in_sub_steps,
+    begin_on_path,
+    check_tuning,
+    corrected,
+    estimate_on_path,
+    steering,
+)
 
 
 @dataclass(frozen=True)
@@ -41,28 +51,17 @@ class RouteControl:
             raise ValueError(f"covariance is 'known_control' or 'jacobian', not '{self.covariance}'")
         check_tuning(self.acceleration_density, self.sub_step)
 
-    @cached_property
-    def _path(self) -> Legs:
-        return Legs(self.route, float(np.max(self.law.bank_limit)))
+    begin, estimate = begin_on_path, estimate_on_path
 
-    def begin(self, prior: Gaussian) -> PathState:
-        return PathState(prior, self._path.begin(prior.mean))
+    @cached_property
+    def path(self) -> Legs:
+        return Legs(self.route, float(np.max(self.law.bank_limit)))
 
     def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
         if dt > 0.0:
-            count, step = sub_steps(dt, self.sub_step)
-            _, Q = uniform(self._path.axes, step, self.acceleration_density)
             forward = known_control if self.covariance == "known_control" else autonomous
-            for _ in range(count):
-                gaussian = forward(self.law, self._path, state, step, Q)
-                state = PathState(gaussian, self._path.advance(state.place, gaussian.mean, step))
-        if z is None:
-            return state, None
-        gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return PathState(gaussian, state.place), innovation
-
-    def estimate(self, state: PathState) -> Gaussian:
-        return state.gaussian
+            state = ahead_in_sub_steps(forward, self, state, dt)
+        return corrected(self, state, z, R)
 
 
 def turned(path: Legs, mean: Any, bank: Any, dt: float) -> tuple[Any, Any]:

@@ -6,16 +6,19 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any
 
-from tracking.gaussian import Gaussian, Innovation, predict, update
+from tracking.gaussian import Innovation, predict
 from tracking.measurement import MeasurementModel
 from tracking.motion import GRAVITY
 from tracking.reference_path import (
     Law,
     PathState,
-    ReferencePath,
+    begin_on_path,
+    channels_on_path,
     check_tuning,
+    corrected,
+    estimate_on_path,
+    path_of,
     push,
-    reference_path,
     sub_steps,
     uniform,
 )
@@ -43,35 +46,21 @@ class SaturatedControl:
     def __post_init__(self) -> None:
         check_tuning(self.acceleration_density, self.sub_step)
 
-    @cached_property
-    def _path(self) -> ReferencePath:
-        return reference_path(self.route, self.law)
+    path, channels = cached_property(path_of), cached_property(channels_on_path)
+    begin, estimate = begin_on_path, estimate_on_path
 
-    @property
-    def channels(self) -> tuple[str, ...]:
-        return self._path.channels
-
-    def begin(self, prior: Gaussian) -> PathState:
-        return PathState(prior, self._path.begin(prior.mean))
-
-    def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
-        if dt > 0.0:
-            state = self._predict(state, dt)
-        if z is None:
-            return state, None
-        gaussian, innovation = update(state.gaussian, *self.measurement.linearise(z, R, state.gaussian.mean))
-        return PathState(gaussian, state.place), innovation
-
-    def estimate(self, state: PathState) -> Gaussian:
-        return state.gaussian
-
-    def _predict(self, state: PathState, dt: float) -> PathState:
+    def _driven(self, state: PathState, dt: float) -> PathState:
         mean, place = state.gaussian.mean, state.place
         count, step = sub_steps(dt, self.sub_step)
         for _ in range(count):
-            acceleration = GRAVITY * self.law(self._path.deviation(place, mean))
-            mean = push(self._path.normal(place), mean, acceleration, step)
-            place = self._path.advance(place, mean, step)
+            acceleration = GRAVITY * self.law(self.path.deviation(place, mean))
+            mean = push(self.path.normal(place), mean, acceleration, step)
+            place = self.path.advance(place, mean, step)
         # uniform motion with isotropic noise looks the same from every leg: one covariance for all runs
-        moved = predict(state.gaussian, *uniform(self._path.axes, dt, self.acceleration_density))
+        moved = predict(state.gaussian, *uniform(self.path.axes, dt, self.acceleration_density))
         return PathState(moved._replace(mean=mean), place)
+
+    def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
+        if dt > 0.0:
+            state = self._driven(state, dt)
+        return corrected(self, state, z, R)

@@ -103,6 +103,11 @@ class SwitchingNoise:
         name = self.measured[row_of("elevation", self.measured)]
         return name, f"{name}_rate"
 
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """The accuracies."""
+        return tuple(f"noise × {factor:g}" for factor in self.factors)
+
     @cached_property
     def _switching(self) -> Array:
         return np.array(self.switching)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,7 @@ def plan_view(
 ) -> Any:
     """Figure with equal axes, in km from the threshold along and to the right of the final course.
 
-    ``wind`` is the steady one, the way the air moves, m/s (north, east); ``events`` are drawn where they have a place.
+    ``wind`` is the steady one, the way the air moves, m/s (north, east); ``events`` are drawn by their outlines.
     """
     course = flight.route.legs[-1].course
     c, s = math.cos(course), math.sin(course)
@@ -59,7 +59,9 @@ def plan_view(
     if shown:
         axes.plot(runway_x, runway_y, color=style.BLACK, linewidth=4, solid_capstyle="butt", alpha=0.75, label="runway")
     for name, event in (events or {}).items():
-        _circle(axes, name, event, lambda past, right: turned(*runway.to_local(past, right)))
+        edge = event.outline()
+        if edge:
+            _area(axes, name, *turned(*np.array(edge).T))
     by_phase(axes, flight, x, y)
     switched = np.flatnonzero(np.diff(flight.leg)) + 1
     if switched.size:
@@ -82,15 +84,11 @@ def plan_view(
     return figure
 
 
-def _circle(axes: Any, name: str, event: Any, place: Callable[[float, float], tuple[float, float]]) -> None:
-    """The greatest outflow of a microburst, or the edge of a gust, named; nothing for what is not round."""
-    if event.past_threshold is None or not hasattr(event, "right"):
-        return
-    across, up = place(event.past_threshold, event.right)
-    radius = KM * (event.radius if hasattr(event, "radius") else event.length / 2)
-    turn = np.linspace(0.0, 2.0 * np.pi, 73)
-    axes.fill(across + radius * np.cos(turn), up + radius * np.sin(turn), color=style.SKY, alpha=0.25, linewidth=0)
-    axes.annotate(name, (across, up - radius), ha="center", va="bottom", fontsize=6.5, color=style.BLUE, clip_on=True)
+def _area(axes: Any, name: str, x: np.ndarray, y: np.ndarray) -> None:
+    """The inside of a closed line, named at its upper edge."""
+    axes.fill(x, y, color=style.SKY, alpha=0.25, linewidth=0)
+    middle = (x.min() + x.max()) / 2
+    axes.annotate(name, (middle, y.min()), ha="center", va="bottom", fontsize=6.5, color=style.BLUE, clip_on=True)
 
 
 def extent(xs: tuple[Any, ...], ys: tuple[Any, ...]) -> tuple[float, float, float, float]:

@@ -1,4 +1,4 @@
-"""What the air did: the wind met along the flight, its profile with height, a microburst from the side, its spectra."""
+"""What the air did: the wind met along the flight, its profile with height, an event from the side, its spectra."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 
 from aircraft.turbulence import across_spectrum, along_spectrum
 from aircraft.turbulence_intensity import intensity
-from aircraft.wind_events.microburst import Microburst
+from aircraft.wind_event import WindEvent
 from sim.flight.record import RECORD_STEP, Flight
-from sim.flight.weather import air
+from sim.flight.weather import air, kind_in_words
 from sim.metrics.windshear import averaged_f_factor
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase, over_time, pad, phase_strip
@@ -20,7 +20,8 @@ from sim.reporting.figures.thinning import where
 
 STRIP = 0.17  # in, of the names of the phases
 HIGHEST = 700.0  # m, of the profiles at least
-ARROWS = (26, 11)  # of the section through a microburst, along and up
+ARROWS = (26, 11)  # of the section through an event, along and up
+SECTION = 300.0  # m, its height at least
 HAZARD = 0.105  # F over a kilometre at which a windshear system must warn [FAA TSO-C117a, from memory]
 LAYERS, LEAST = 10, 90  # layers of height, and records that a layer must have to be shown
 LEVEL = 30.0  # m about the height of the leg: level flight
@@ -61,10 +62,11 @@ def weather_charts(flight: Flight, scenario: Any) -> Iterator[tuple[str, Any, st
                 "at that height and airspeed, which fall with the square of the frequency.",
             )
     for name, event in table.events.items():
-        if isinstance(event, Microburst):
+        standing = event.standing()
+        if standing is not None and standing.outline():
             yield (
-                f"Microburst {name}",
-                microburst_section(flight, scenario, event),
+                f"{kind_in_words(scenario, name).capitalize()} {name}",
+                section_through(flight, scenario, standing),
                 "Wind in the upright plane through its centre along the final course, with the flight as seen from "
                 "beside it. Heights are exaggerated, the slope of the arrows is not.",
             )
@@ -193,32 +195,36 @@ def spectrum(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return 2.0 * np.pi * np.fft.rfftfreq(WINDOW, RECORD_STEP), power * RECORD_STEP / (np.pi * np.sum(taper**2))
 
 
-def microburst_section(flight: Flight, scenario: Any, event: Microburst) -> Any:
-    """Figure of the wind in the upright plane through the centre, along the final course."""
+def section_through(flight: Flight, scenario: Any, event: WindEvent) -> Any:
+    """Figure of a standing wind in the upright plane through the middle of its outline, along the final course."""
     runway, state = scenario.runway, flight.state
+    edge_past, edge_right = runway.from_local(*np.array(event.outline()).T)
+    middle, right = (float(edge.min() + edge.max()) / 2 for edge in (edge_past, edge_right))
+    reach = float(np.ptp(edge_past))
     past, _ = runway.from_local(state.north, state.east)
-    reach = 2.0 * event.radius
-    near = (np.abs(past - event.past_threshold) < reach) & (flight.leg == flight.leg.max())
-    top = max(4.0 * event.height, 1.1 * float(np.max(state.height[near], initial=0.0)))
-    along, heights = np.linspace(-reach, reach, 81), np.linspace(0.0, top, 41)
+    near = (np.abs(past - middle) < reach) & (flight.leg == flight.leg.max())
+    top = max(SECTION, 1.1 * float(np.max(state.height[near], initial=0.0)))
+    forward = runway.to_local(1.0, 0.0)
+    airspeed = float(np.mean(state.airspeed))
 
     def section(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        wind = np.array([[event.outflow(abs(float(a)), float(h)) for a in x] for h in z])
-        return wind[..., 0] * x, wind[..., 1]
+        """Tailwind and rising wind over x along and z up, m/s."""
+        places = [[(*runway.to_local(float(a), right), float(h)) for a in x] for h in z]
+        wind = np.array([[event.velocity(0.0, place, airspeed) for place in row] for row in places])
+        return wind[..., 0] * forward[0] + wind[..., 1] * forward[1], wind[..., 2]
 
     figure, (axes,) = style.panels(2.5)
     axes.grid(False)
-    most = max(event.peak, 1.0)
+    along, heights = np.linspace(middle - reach, middle + reach, 81), np.linspace(0.0, top, 41)
     tail, _ = section(along, heights)
+    most = max(float(np.abs(tail).max()), 1.0)
     levels = np.linspace(-most, most, 17)
-    shades = axes.contourf(
-        along + event.past_threshold, heights, np.clip(tail, -most, most), levels, cmap="RdBu_r", alpha=0.6
-    )
+    shades = axes.contourf(along, heights, np.clip(tail, -most, most), levels, cmap="RdBu_r", alpha=0.6)
     figure.colorbar(shades, ax=axes, label="tailwind, m/s", pad=0.02)
-    x, z = np.linspace(-reach, reach, ARROWS[0]), np.linspace(0.04, 0.96, ARROWS[1]) * top
-    axes.quiver(x + event.past_threshold, z, *section(x, z), color="#444444", width=0.0016, scale=22.0 * most)
+    x, z = np.linspace(middle - reach, middle + reach, ARROWS[0]), np.linspace(0.04, 0.96, ARROWS[1]) * top
+    axes.quiver(x, z, *section(x, z), color="#444444", width=0.0016, scale=22.0 * most)
     by_phase(axes, flight, past, state.height, near)
-    axes.set_xlim(event.past_threshold - reach, event.past_threshold + reach)
+    axes.set_xlim(middle - reach, middle + reach)
     axes.set_ylim(0.0, top)
     axes.set_xlabel("distance past the threshold, m")
     axes.set_ylabel("height, m")

@@ -138,7 +138,7 @@ def belief_charts(
             )
         add(
             "Measurement anomalies",
-            anomaly_strip(flight, scenario, tracked),
+            anomaly_strip(flight, scenario, tracked, modes),
             "Above: measured minus true angle of draw 0, linear within the dashed 2 σ of the stated accuracy and "
             "logarithmic beyond. Below: the mean probability of a worse accuracy than the stated.",
         )

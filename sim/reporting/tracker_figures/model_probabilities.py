@@ -13,22 +13,17 @@ from sim.reporting.figures.histories import STRIP, TIME
 from sim.reporting.figures.thinning import peaks
 from sim.reporting.text.labels import words
 from sim.reporting.tracker_figures.error_curves import MANY, pooled, windows
+from tracking.track import ACCURACY, LAW, modes_of
 
 BINS = 200  # of the stated accuracy
 MOST_SAMPLES = 2500  # points of the anomaly strip
 MODES = ("#08519C", "#3182BD", "#6BAED6", "#9ECAE1", "#C6DBEF")  # laws, from the least limit to the greatest
 FREE = ("#FDD0A2", "#D94801", "#7F2704", "#A1A1A1")
-IMPROVED = ("straight", "slowing down", "right turn", "left turn")
-PUBLISHED = ("slow left turn", "fast left turn", "straight")
 
 
-def mode_names(tracker: Any, kind: str, count: int) -> list[str]:
+def mode_names(tracker: Any, count: int) -> list[str]:
     """What each hypothesis of a tracker is called, in the order of its probabilities."""
-    names: tuple[str, ...] = tuple(getattr(tracker, "modes", ()))
-    if not names and hasattr(tracker, "factors"):
-        names = tuple(f"noise × {factor:g}" for factor in tracker.factors)
-    if not names:
-        names = {"imm": IMPROVED, "imm_published": PUBLISHED}.get(kind, ())
+    names = modes_of(tracker)
     return list(names) if len(names) == count else [f"model {i + 1}" for i in range(count)]
 
 
@@ -61,7 +56,7 @@ def model_probabilities(flight: Flight, tracked: dict[str, Any], modes: dict[str
 
 def _colours(names: list[str]) -> list[str]:
     """Blues for laws, browns for flight without one, distinct colours where the names say neither."""
-    laws = [name for name in names if name.startswith("law")]
+    laws = [name for name in names if name.startswith(LAW)]
     if laws:
         blues = [MODES[round(i * (len(MODES) - 1) / max(len(laws) - 1, 1))] for i in range(len(laws))]
         return blues + [FREE[i % len(FREE)] for i in range(len(names) - len(laws))]
@@ -69,16 +64,15 @@ def _colours(names: list[str]) -> list[str]:
     return [palette[i % len(palette)] for i in range(len(names))]
 
 
-def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any]) -> Any | None:
+def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any], modes: dict[str, list[str]]) -> Any | None:
     """Figure of angle measurements minus truth (draw 0) and the probability that each is anomalous.
 
-    For the first tracker that weighs accuracies; None where there is none.
+    For the first tracker whose hypotheses are accuracies of the measurement; None where there is none.
     """
     for name, one in tracked.items():
         record, weights = one.measurements, one.track.model_probabilities
-        choice = scenario.trackers.get(name)
         row = next((i for i, channel in enumerate(record.channels) if channel.endswith(".elevation")), None)
-        if choice is None or choice.kind != "switching_noise" or row is None or weights is None:
+        if weights is None or row is None or not modes[name][0].startswith(ACCURACY):
             continue
         from matplotlib.ticker import FuncFormatter
 

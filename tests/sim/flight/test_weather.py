@@ -18,7 +18,7 @@ from aircraft.wind import SteadyWind, Together
 from sim.errors import ScenarioError
 from sim.experiment import fly
 from sim.flight.preparation import prepare
-from sim.flight.weather import air, event_words, words
+from sim.flight.weather import air, words
 from sim.metrics import windshear
 from sim.scenario import catalogue
 from sim.scenario.reading import read
@@ -128,9 +128,9 @@ def test_words_say_what_there_is():
         "g: gust of 6.0 m/s up, from 20 s for 4 s",
     ]
     side = {"kind": "gust", "speed_mps": 5.0, "from_deg": 350, "past_threshold_m": -900.0, "length_m": 200.0}
-    told = event_words(wind(events={"g": side}).events["g"])
+    told = wind(events={"g": side}).events["g"].words()
     assert told == "gust of 5.0 m/s from 350 deg, 200 m long, 900 m before the threshold"
-    told = event_words(wind(events={"s": {**side, "kind": "wind_shift"}}).events["s"])
+    told = wind(events={"s": {**side, "kind": "wind_shift"}}).events["s"].words()
     assert told == "wind shift of 5.0 m/s from 350 deg, over 200 m from 900 m before the threshold"
 
 

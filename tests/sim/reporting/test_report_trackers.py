@@ -26,14 +26,17 @@ from sim.reporting.tracker_figures.model_probabilities import anomaly_strip, mod
 from sim.reporting.tracker_figures.path_bound import path_bound
 from sim.reporting.tracker_figures.tracking_errors import azimuth_norm, containment, error_over_time
 from sim.scenario.reading import read
+from tracking.measurement import LinearMeasurement
 from tracking.motion import CoordinatedTurn, ScheduledTurn
 from tracking.track import Measurements, Track
-from tracking.trackers.imm import improved_set, published_set
+from tracking.trackers.imm import InteractingMultipleModel, ModelSet, improved_set, published_set
+from tracking.trackers.imm_published import PublishedModels
 from tracking.trackers.switching_noise import SwitchingNoise
 
 _page = runpy.run_path(str(Path(__file__).with_name("test_report_page.py")))  # tests are modules without a package
 EVIL, LARGEST, LAW, Page = (_page[name] for name in ("EVIL", "LARGEST", "LAW", "Page"))
 
+POSITION = LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
 CHANNELS = ("north", "north_rate", "east", "east_rate")
 KINDS = {"best": "route_control", "twin": "route_control", "plain": "imm"}
 """Names and kinds of the trackers of most tests; ``twin`` is told wrong."""
@@ -208,16 +211,17 @@ def test_containment_counts_the_epochs_within_the_norm(flight):
 
 def test_modes_are_named_in_the_order_of_the_models():
     turns = [m for m in improved_set().models if isinstance(m, ScheduledTurn)]
-    names = mode_names(None, "imm", len(improved_set().models))
+    names = mode_names(InteractingMultipleModel(POSITION), len(improved_set().models))
     assert [name for name in names if "turn" in name] == ["right turn" if m.bank > 0 else "left turn" for m in turns]
     assert names.index("right turn") == improved_set().models.index(turns[0])
     published = published_set().models
     left = sorted((m for m in published if isinstance(m, CoordinatedTurn)), key=lambda m: abs(m.turn_rate))
-    names = mode_names(None, "imm_published", len(published))
+    names = mode_names(PublishedModels(POSITION), len(published))
     assert [names[published.index(m)] for m in left] == ["slow left turn", "fast left turn"]
-    assert mode_names(SwitchingNoise(("mls.elevation",)), "switching_noise", 2) == ["noise × 1", "noise × 30"]
-    assert mode_names(None, "own", 2) == ["model 1", "model 2"]
-    assert mode_names(None, "imm", 3) == ["model 1", "model 2", "model 3"]  # not the set that the names are of
+    assert mode_names(SwitchingNoise(("mls.elevation",)), 2) == ["noise × 1", "noise × 30"]
+    assert mode_names(None, 2) == ["model 1", "model 2"]
+    unnamed = ModelSet(published, published_set().switching, published_set().probabilities)
+    assert mode_names(InteractingMultipleModel(POSITION, unnamed), 3) == ["model 1", "model 2", "model 3"]
 
 
 # -------------------------------------------------------------------------------------------------------- who won
@@ -368,7 +372,7 @@ def test_the_strip_shows_which_samples_were_taken_for_anomalous(flight):
     )  # fmt: skip
     tracked = {"two": Tracked(track, Measurements(("mls.elevation",), time, time, z, R), None)}
     with style.drawing():
-        figure = anomaly_strip(flight, given, tracked)
+        figure = anomaly_strip(flight, given, tracked, {"two": ["noise × 1", "noise × 30"]})
     nominal, anomalous = figure.axes[1].lines[:2]
     np.testing.assert_allclose(anomalous.get_ydata(), 1.0, rtol=1e-6)
     np.testing.assert_allclose(nominal.get_ydata(), 0.01, rtol=1e-6)
