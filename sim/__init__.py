@@ -96,13 +96,12 @@ if TYPE_CHECKING:
     from aircraft.state import AircraftState, Command
     from sim.errors import OutputError, ScenarioError
     from sim.estimation.tracking_run import Tracked, track
-    from sim.experiment import fly, report, run
+    from sim.experiment import fly, read, report, run
     from sim.flight.preparation import Prepared, prepare
     from sim.flight.record import Flight
     from sim.observation.record import SensorRecord, observe
     from sim.result import Result
     from sim.scenario.model import Scenario
-    from sim.scenario.reading import read
     from tracking.track import Measurements, Track
 
 __version__ = "0.1.0"
@@ -133,13 +132,12 @@ _HOMES = {
     "aircraft.state": ("AircraftState", "Command"),
     "sim.errors": ("OutputError", "ScenarioError"),
     "sim.estimation.tracking_run": ("Tracked", "track"),
-    "sim.experiment": ("fly", "report", "run"),
+    "sim.experiment": ("fly", "read", "report", "run"),
     "sim.flight.preparation": ("Prepared", "prepare"),
     "sim.flight.record": ("Flight",),
     "sim.observation.record": ("SensorRecord", "observe"),
     "sim.result": ("Result",),
     "sim.scenario.model": ("Scenario",),
-    "sim.scenario.reading": ("read",),
     "tracking.track": ("Measurements", "Track"),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}

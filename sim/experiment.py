@@ -16,16 +16,16 @@ from sim.flight import loop as flights
 from sim.flight.departures import noted
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Flight
-from sim.metrics.checks import judge
+from sim.metrics.checks import evaluate_checks, unknown_names
 from sim.metrics.flight import flight_metrics, summarise
 from sim.metrics.navigation import navigated
-from sim.metrics.warnings import remarks
+from sim.metrics.warnings import warnings
 from sim.observation.record import observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays
 from sim.result import Result, _lap
+from sim.scenario import reading
 from sim.scenario.budget import refuse_too_much
 from sim.scenario.model import Scenario
-from sim.scenario.reading import read
 from sim.scenario.toml_writer import dumps
 from sim.versions import versions
 from sim.workers.executors import TIME_LIMIT
@@ -33,6 +33,14 @@ from sim.workers.helper_process import ALONE, SecondProcess, second_process
 from sim.workers.isolation import apart
 
 FEW = 4  # trackers are done before a second process has got ready
+
+
+def read(source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Scenario:
+    """A scenario from a file, a bundled name or a dict of tables, with ``{"table.key": value}`` overrides.
+
+    Raises ``ScenarioError`` with one line for each fault, metrics and phases of checks that no flight has among them.
+    """
+    return reading.read(source, overrides, checks=unknown_names)
 
 
 def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
@@ -51,6 +59,7 @@ def _fly(prepared: Prepared, number: int) -> Flight:
         prepared.limits,
         prepared.phases,
         navigator(prepared, number),
+        prepared.gate_height,
     )
     return noted(flight, prepared.scenario.departures)
 
@@ -119,9 +128,11 @@ def run(
         "flight": each[0],
         "flights_summary": summarise(each),
         "trackers": tracker_metrics,
-        "warnings": [*prepared.warnings, *remarks(first, scenario.sensors, records, tracker_metrics)],
+        "warnings": [*prepared.warnings, *warnings(first, scenario.sensors, records, tracker_metrics)],
     }
-    metrics["checks"] = judge(scenario.checks, first, scenario.runway, {**each[0], "trackers": tracker_metrics})
+    metrics["checks"] = evaluate_checks(
+        scenario.checks, first, scenario.runway, {**each[0], "trackers": tracker_metrics}
+    )
     return Result(prepared, flown, records, tracks, metrics, timing)
 
 

@@ -40,18 +40,13 @@ class ScenarioFile(pytest.File):
 
     def collect(self) -> Iterator[pytest.Item]:
         """One item for each check, or one that flies a scenario without any."""
-        from autopilot.approach import PHASES
         from sim.errors import ScenarioError
-        from sim.metrics.checks import refuse_unknown
-        from sim.scenario.reading import read
+        from sim.experiment import read
 
         try:
             checks = read(self.path).checks
         except ScenarioError as error:
             raise self.CollectError(str(error)) from None
-        faults = refuse_unknown(checks, PHASES)
-        if faults:
-            raise self.CollectError("\n".join(f"{self.path}: {fault}" for fault in faults))
         names: dict[str, int] = {}
         for index, check in enumerate(checks):
             name = check.name or check.metric
@@ -102,9 +97,8 @@ class CheckBroken(ValueError):
 def fly(item: pytest.Item, source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Any:
     """The result of a scenario, flown once in a pytest run however many tests look at it."""
     import sim
-    from sim.scenario.reading import read
 
-    scenario = read(source, overrides)
+    scenario = sim.read(source, overrides)
     flown = item.session.stash.setdefault(FLOWN, {})
     key = json.dumps(scenario.tables, sort_keys=True)
     if key not in flown:

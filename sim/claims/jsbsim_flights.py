@@ -43,9 +43,8 @@ class Flown(NamedTuple):
 @lru_cache(maxsize=12)
 def flown(name: str, *changes: tuple[str, Any]) -> Flown:
     """A bundled scenario flown once, without its sensors and trackers; ``changes`` are ("table.key", value)."""
-    from sim.experiment import fly
+    from sim.experiment import fly, read
     from sim.flight.preparation import prepare
-    from sim.scenario.reading import read
 
     prepared = prepare(read(name, {"trackers": {}, "checks": [], **dict(changes)}))
     if prepared.scenario.flights != 1:

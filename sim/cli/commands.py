@@ -123,7 +123,7 @@ def _study(folder: Path, fly: Any) -> None:
 
 
 def _study_name(scenario: str) -> str:
-    from sim.scenario.reading import read
+    from sim.experiment import read
 
     return read(scenario).name
 
@@ -187,8 +187,8 @@ def claims(
 def validate(file: Scenario, sets: Sets = None) -> None:
     """Say whether a scenario can be flown, and everything that is wrong with it."""
     from sim.estimation.setup import check
+    from sim.experiment import read
     from sim.flight.preparation import prepare
-    from sim.scenario.reading import read
 
     scenario = read(file, _overrides(sets))
     check(prepare(scenario))
@@ -237,7 +237,7 @@ def list_(
 def explain(scenario: Scenario = DEFAULT, sets: Sets = None) -> None:
     """Show what a scenario comes to: route, trim, modes, gains, limits, checks."""
     from sim.cli.explain import explain as told
-    from sim.scenario.reading import read
+    from sim.experiment import read
 
     typer.echo(told(read(scenario, _overrides(sets))))
 

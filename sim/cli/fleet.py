@@ -134,10 +134,9 @@ def flown(model: str) -> dict[str, Any]:
 
 
 def _flight(name: str, tables: dict[str, Any]) -> dict[str, Any]:
-    from sim.experiment import fly
+    from sim.experiment import fly, read
     from sim.flight.preparation import prepare
     from sim.metrics.flight import flight_metrics
-    from sim.scenario.reading import read
 
     prepared = prepare(read(tables))
     flight = fly(prepared, 0)

@@ -15,7 +15,7 @@ from sim.estimation.setup import adopt, build, chart_height, gives_place, reads_
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics import conformance
-from sim.metrics.tracker import judge
+from sim.metrics.tracker import tracker_metrics
 from sim.observation.record import SensorRecord, measurements
 from sim.workers.helper_process import ALONE, SecondProcess
 from tracking.conformance import CONFORMANCE
@@ -132,7 +132,7 @@ def _followed(
     found = []
     for entry, followed, looked in zip(twins, tracks, looks, strict=True):
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-            judged = judge(flight, watched, chart_height(prepared), followed, record)
+            judged = tracker_metrics(flight, watched, chart_height(prepared), followed, record)
             seen = CONFORMANCE.watch(entry.tracker, followed)
             judged["conformance"] = conformance.figures(seen, prepared.departure)
             # covariances are most of a run's memory, and only figures still read them

@@ -11,10 +11,10 @@ import numpy as np
 
 from aircraft.errors import FlightError
 from aircraft.state import AircraftState, Command
-from sim.flight.outcomes import Judge, Limits
+from sim.flight.outcomes import Limits, OutcomeMonitor
 from sim.flight.record import RECORD_STEP, Event, Flight
 
-JUDGED = 10  # records between two looks of the judge, who looks at every one close to the ground
+MONITORED = 10  # records between two looks of the monitor, which looks at every one close to the ground
 LOW = 15.0  # m
 NEAR_GROUND = 60.0  # m; below, the autopilot runs at twice the rate for the flare
 
@@ -27,12 +27,13 @@ def fly(
     limits: Limits,
     phases: tuple[str, ...],
     navigator: Any = None,
+    gate_height: float | None = None,
 ) -> Flight:
     """Fly one flight to its end.
 
     ``vehicle`` and ``autopilot`` are begun here and stepped by turns: the autopilot sees the state, the vehicle flies
     the command. With a ``navigator`` the autopilot sees the place that a tracker believes instead of the true one. A
-    flight that diverges is an outcome with its time, never an exception.
+    flight that diverges is an outcome with its time, never an exception. ``gate_height`` (m) goes into the record.
     """
     body = vehicle.begin(initial, wind)
     state = vehicle.read(body)
@@ -40,10 +41,10 @@ def fly(
     if navigator is not None:
         sight, seen = navigator.begin(state)
     pilot = autopilot.begin(seen, initial.leg)
-    judge = Judge(limits, autopilot.route)
+    monitor = OutcomeMonitor(limits, autopilot.route)
     states, commands, pilots, events = [], [], [], []
     pilot_step, vehicle_step, read = autopilot.step, vehicle.step, vehicle.read
-    half, last = RECORD_STEP / 2, judge.end - 1e-9
+    half, last = RECORD_STEP / 2, monitor.end - 1e-9
     phase = -1
     verdict = None
     with _no_collections():
@@ -58,8 +59,8 @@ def fly(
             if pilot.phase != phase:
                 phase = pilot.phase
                 events.append(Event(state.time, phases[phase]))
-            if len(states) % JUDGED == 1 or state.height < LOW or state.time >= last or pilot.finished:
-                verdict = judge(state, pilot.leg, pilot.finished)
+            if len(states) % MONITORED == 1 or state.height < LOW or state.time >= last or pilot.finished:
+                verdict = monitor(state, pilot.leg, pilot.finished)
             try:
                 if near_ground:
                     body = vehicle_step(body, command, half)
@@ -91,6 +92,7 @@ def fly(
         tuple(events),
         outcome,
         reason,
+        gate_height,
     )
 
 

@@ -26,7 +26,7 @@ class Limits:
     load_factor: float = 3.0
 
 
-class Judge:
+class OutcomeMonitor:
     """Watches one flight; called once per record, cheap, with what it must remember between records."""
 
     def __init__(self, limits: Limits, route: Route) -> None:

@@ -25,7 +25,6 @@ from sim.flight import departures
 from sim.flight.outcomes import Limits
 from sim.flight.vehicles import Configuration, Initial, JsbsimVehicle, PointMassVehicle, designed, designed_point_mass
 from sim.flight.weather import air
-from sim.metrics import checks
 from sim.randomness import Streams
 from sim.scenario import catalogue
 from sim.scenario.messages import told
@@ -109,6 +108,12 @@ class Prepared:
         return _mode(named[0]).designed({}, self.case)
 
     @property
+    def gate_height(self) -> float | None:
+        """Where the stabilised-approach gate begins, m; None = the route does not end in a landing."""
+        landing = self.autopilot.landing
+        return None if landing is None else landing.gate.height
+
+    @property
     def phases(self) -> tuple[str, ...]:
         """Names of the phases by index."""
         return PHASES
@@ -126,9 +131,6 @@ def prepare(scenario: Scenario) -> Prepared:
 
 
 def _prepared(scenario: Scenario) -> Prepared:
-    faults = checks.refuse_unknown(scenario.checks, PHASES)
-    if faults:
-        raise ScenarioError(told(scenario.name, faults))
     place = "[aircraft]"
     try:
         aircraft = _data(scenario)

@@ -11,7 +11,6 @@ from aircraft.state import AircraftState, Command
 from autopilot.route import PathDeviation, Route
 
 RECORD_STEP = 1.0 / 30.0  # s, of the record and of the autopilot
-GATE_HEIGHT = 300.0  # m; at and below, an approach must be stabilised
 
 
 class Event(NamedTuple):
@@ -35,6 +34,7 @@ class Flight:
     events: tuple[Event, ...]
     outcome: str
     reason: str
+    gate_height: float | None = None  # m; at and below, the approach must be stabilised; None = no gate was flown
 
     @property
     def time(self) -> np.ndarray:
@@ -54,11 +54,14 @@ class Flight:
         return np.array((s.velocity_north, s.velocity_east, s.velocity_up)) - np.array(s.air_velocity)
 
     def during(self, phases: str | tuple[str, ...]) -> np.ndarray:
-        """(k,) bool: where one of the phases was flown; ``all`` is everywhere, ``gate`` the glide path below 300 m."""
+        """(k,) bool: where one of the phases was flown.
+
+        ``all`` is everywhere, ``gate`` the glide path at the height of the stabilised-approach gate and below.
+        """
         wanted = (phases,) if isinstance(phases, str) else phases
         if "all" in wanted:
             return np.ones(len(self.time), bool)
-        if "gate" in wanted:
-            rest = tuple(name for name in wanted if name != "gate")
-            return (self.during("glide") & (self.state.height <= GATE_HEIGHT)) | self.during(rest)
-        return np.isin(self.phase, [i for i, name in enumerate(self.phases) if name in wanted])
+        flown = np.isin(self.phase, [i for i, name in enumerate(self.phases) if name in wanted])
+        if "gate" in wanted and self.gate_height is not None:
+            flown |= self.during("glide") & (self.state.height <= self.gate_height)
+        return flown

@@ -6,69 +6,77 @@ from typing import Any
 
 import numpy as np
 
+from aircraft.units import SUFFIXES
+from autopilot.approach import PHASES
 from sim.errors import ScenarioError, did_you_mean
 from sim.flight.record import RECORD_STEP, Flight
-from sim.metrics.signals import MAGNITUDES, SIGNALS
+from sim.metrics import signals, table
 from sim.scenario.tables import Check, Runway
 
+EVERYWHERE = ("all", "gate")  # what ``during`` accepts besides the names of phases
+OF_TRACKERS = "trackers."  # figures whose names depend on the scenario
+PLAIN = ("gain",)  # figures of a tracker's channel that are ratios
 
-def judge(checks: tuple[Check, ...], flight: Flight, runway: Runway, metrics: dict[str, Any]) -> list[dict[str, Any]]:
+
+def evaluate_checks(
+    checks: tuple[Check, ...], flight: Flight, runway: Runway, metrics: dict[str, Any]
+) -> list[dict[str, Any]]:
     """The result of every check, as it stands in metrics.json.
 
     A check whose phases were never flown has ``passed`` None; a scalar that the flight does not have fails.
     """
-    return [_signal(check, flight, runway) if check.metric in SIGNALS else _scalar(check, metrics) for check in checks]
+    found = []
+    for check in checks:
+        signal = signals.find(check.metric)
+        found.append(_scalar(check, metrics) if signal is None else _signal(check, signal, flight, runway))
+    return found
 
 
-def refuse_unknown(checks: tuple[Check, ...], phases: tuple[str, ...]) -> list[str]:
-    """Faults of checks that name a phase or a metric that no flight has."""
+def unknown_names(tables: dict[str, Any]) -> list[str]:
+    """Faults of ``[[checks]]`` and ``[[study.checks]]`` that name a metric or a phase that no flight has.
+
+    ``tables`` are those of the file as it was read: whatever else is wrong with them is told by the reader.
+    """
+    figures, study = table.names(), tables.get("study")
     faults = []
-    for i, check in enumerate(checks):
-        wanted = (check.during,) if isinstance(check.during, str) else check.during
-        for phase in wanted:
-            if phase not in (*phases, "all", "gate"):
-                faults.append(
-                    f"[[checks]] entry {i} during: no phase '{phase}'; {did_you_mean(phase, (*phases, 'all', 'gate'))}"
-                )
-        known = check.metric in SIGNALS or check.metric in SCALARS or check.metric.startswith("trackers.")
-        if not known:
-            hint = did_you_mean(check.metric, [*SIGNALS, *SCALARS])
-            faults.append(f"[[checks]] entry {i} metric: no metric '{check.metric}'; {hint}")
+    for place, entries, metrics in (
+        ("[[checks]]", tables.get("checks"), (*signals.names(), *figures)),
+        ("[[study.checks]]", study.get("checks") if isinstance(study, dict) else None, figures),
+    ):
+        for i, entry in enumerate(entries if isinstance(entries, list | tuple) else ()):
+            if isinstance(entry, dict):
+                faults += [f"{place} entry {i} {fault}" for fault in _unknown(entry, metrics)]
     return faults
 
 
-SCALARS = (
-    "landed",
-    "duration_s",
-    "bank_max_deg",
-    "bank_rate_max_degps",
-    "time_saturated_s",
-    "bank_cycle_deg",
-    "bank_cycle_period_s",
-    "overshoot_m",
-    "base_overshoot_m",
-    "settling_s",
-    "cross_track_rms_final_m",
-    "cross_track_at_30_m_m",
-    "cross_track_at_decision_height_m",
-    "height_error_rms_final_m",
-    "height_error_at_decision_height_m",
-    "normal_acceleration_rms_final_mps2",
-    "bank_rate_rms_final_degps",
-    "touchdown.sink_mps",
-    "touchdown.cross_track_m",
-    "touchdown.past_threshold_m",
-    "touchdown.crab_deg",
-    "touchdown.drift_mps",
-    "touchdown.airspeed_mps",
-    "touchdown.bank_deg",
-)
+def _unknown(entry: dict[str, Any], metrics: tuple[str, ...]) -> list[str]:
+    """What one check names that there is not."""
+    faults = []
+    during, metric, phases = entry.get("during", ()), entry.get("metric"), (*PHASES, *EVERYWHERE)
+    for phase in (during,) if isinstance(during, str) else during if isinstance(during, list | tuple) else ():
+        if isinstance(phase, str) and phase not in phases:
+            faults.append(f"during: no phase '{phase}'; {did_you_mean(phase, phases)}")
+    if isinstance(metric, str) and metric not in metrics and not metric.startswith(OF_TRACKERS):
+        faults.append(f"metric: no metric '{metric}'; {did_you_mean(metric, metrics)}")
+    return faults
+
+
+def unit_of(metric: str) -> str:
+    """Unit suffix of what a check is about: that of its row, or that of a tracker's channel."""
+    row = table.find(metric) or signals.find(metric)
+    if row is not None:
+        return row.unit
+    *channel, own = metric.split(".")[2:] or [""]
+    for part in () if own in PLAIN else (own, *reversed(channel)):
+        endings = [suffix for suffix in SUFFIXES if part.endswith(f"_{suffix}")]
+        if endings:
+            return max(endings, key=len)
+    return ""
 
 
 def _result(
     check: Check, limit: float, value: float | None, margin: float | None, time: float | None
 ) -> dict[str, Any]:
-    unit = check.metric.rsplit(".", 1)[-1].rsplit("_", 1)[-1] if "_" in check.metric else ""
     return {
         "name": check.name or check.metric,
         "metric": check.metric,
@@ -77,7 +85,7 @@ def _result(
         "for_s": check.for_,
         "limit": limit,
         "value": None if value is None else value + 0.0,
-        "unit": unit,
+        "unit": unit_of(check.metric),
         "margin": None if margin is None else margin + 0.0,  # no minus zero
         "time_s": time,
         "passed": None if margin is None else margin >= 0,
@@ -87,7 +95,7 @@ def _result(
 
 def _scalar(check: Check, metrics: dict[str, Any]) -> dict[str, Any]:
     value = _found(metrics, check.metric.split("."))
-    if value is None and check.metric.startswith("trackers."):
+    if value is None and check.metric.startswith(OF_TRACKERS):
         raise ScenarioError(f"check of '{check.metric}': no such figure; {_figures(check.metric, metrics)}")
     limit = check.max if check.max is not None else check.min
     assert limit is not None
@@ -121,17 +129,17 @@ def _figures(metric: str, metrics: dict[str, Any]) -> str:
     return did_you_mean(metric, overall) if overall else f"tracker '{name}' never saw the aircraft"
 
 
-def _signal(check: Check, flight: Flight, runway: Runway) -> dict[str, Any]:
-    signal = SIGNALS[check.metric](flight, runway)
-    if check.metric in MAGNITUDES and check.min is None:
-        signal = np.abs(signal)
-    window = flight.during(check.during) & np.isfinite(signal)
+def _signal(check: Check, signal: signals.Signal, flight: Flight, runway: Runway) -> dict[str, Any]:
+    values = signal.of(flight, runway)
+    if signal.magnitude and check.min is None:
+        values = np.abs(values)
+    window = flight.during(check.during) & np.isfinite(values)
     nearest: tuple[float, float, float, float] | None = None  # margin, limit, value, time
     for limit, sign in ((check.max, 1.0), (check.min, -1.0)):
         if limit is None:
             continue
         for run in _runs(window):
-            found = _worst(sign, signal[run], flight.time[run], check)
+            found = _worst(sign, values[run], flight.time[run], check)
             if found is not None:
                 value, time = sign * found[0], found[1]
                 margin = sign * (limit - value)

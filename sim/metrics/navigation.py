@@ -17,6 +17,8 @@ from autopilot.modes.lateral_navigation import LateralNavigation
 from sim.flight.interpolation import truth_at
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
+from sim.metrics.figures import Context, Navigation
+from sim.metrics.flight import figure, navigated_figures
 from tracking.track import Track
 
 GOOD = ("landed", "completed")
@@ -37,35 +39,34 @@ def navigated(prepared: Prepared, flight: Flight, track: Track | None, judged: d
     name = prepared.scenario.autopilot.navigation
     if name == "truth":
         return None
-    found: dict[str, Any] = {"tracker": name, "lost_time_s": judged.get("lost_time_s"), "why": None}
-    found |= {"error_rms_m": None, "rate_lag_s": None, "rate_lag_stood_s": None}
+    quality, why = _quality(prepared, flight, name, track, judged)
+    context = Context(prepared.scenario.runway, prepared.law.bank_limit, quality)
+    ended_well = flight.outcome in GOOD
+    return {"tracker": name, "why": None if ended_well else why, **navigated_figures(flight, context)}
+
+
+def _quality(
+    prepared: Prepared, flight: Flight, name: str, track: Track | None, judged: dict[str, Any]
+) -> tuple[Navigation, str]:
+    """How good the estimate was, and why a flight on it ended where it should not, if it did."""
+    lost = judged.get("lost_time_s")
     if track is None:
-        return {**found, "why": _why(flight, found, f"tracker '{name}' never saw the aircraft")}
+        return Navigation(lost_time=lost), f"tracker '{name}' never saw the aircraft"
     if "north" not in track.channels:
-        return {**found, "why": _why(flight, found, _height(flight, name, judged))}
+        return Navigation(lost_time=lost), _height(name, judged)
     across, rate, true_rate, acceleration = _across(flight, track)
-    found["error_rms_m"] = float(np.sqrt(np.mean(across**2)))
     moved = float(acceleration @ acceleration)
-    found["rate_lag_s"] = float((true_rate - rate) @ acceleration / moved) if moved > 0.0 else None
+    lag = float((true_rate - rate) @ acceleration / moved) if moved > 0.0 else None
     law = LateralNavigation.of(prepared.law)
-    if law is not None:
-        found["rate_lag_stood_s"] = standing_lag(law.k1, law.k2, bank_lag(prepared.designed))
-    return {**found, "why": _why(flight, found, _place(flight, prepared, found, across, track))}
+    tolerated = None if law is None else standing_lag(law.k1, law.k2, bank_lag(prepared.designed))
+    quality = Navigation(float(np.sqrt(np.mean(across**2))), lag, tolerated, lost)
+    return quality, _place(flight, prepared, name, quality, across, track)
 
 
 def beside(figures: dict[str, Any]) -> list[tuple[str, Any, Any]]:
     """(figure, on the estimate, on the truth) of a navigated flight whose twin was flown on the truth."""
     twin = (figures.get("navigated") or {}).get("on_truth")
-    return [(name, _figure(figures, name), _figure(twin, name)) for name in BESIDE] if twin else []
-
-
-def _figure(figures: dict[str, Any], name: str) -> Any:
-    table, _, own = name.rpartition(".")
-    return (figures.get(table) or {} if table else figures).get(own)
-
-
-def _why(flight: Flight, found: dict[str, Any], sentence: str) -> str | None:
-    return None if flight.outcome in GOOD else sentence
+    return [(name, figure(figures, name), figure(twin, name)) for name in BESIDE] if twin else []
 
 
 def _across(flight: Flight, track: Track) -> tuple[np.ndarray, ...]:
@@ -82,8 +83,9 @@ def _across(flight: Flight, track: Track) -> tuple[np.ndarray, ...]:
     return error[kept], rate[kept], true_rate[kept], acceleration[kept]
 
 
-def _place(flight: Flight, prepared: Prepared, found: dict[str, Any], across: np.ndarray, track: Track) -> str:
-    name, lost = found["tracker"], found["lost_time_s"]
+def _place(flight: Flight, prepared: Prepared, name: str, quality: Navigation, across: np.ndarray, track: Track) -> str:
+    """A tracker of the position."""
+    lost = quality.lost_time
     if lost is not None or not across.size:
         cov = track.cov if track.cov.ndim == 3 else track.cov[..., 0]
         rows = [track.channels.index("north"), track.channels.index("east")]
@@ -95,7 +97,7 @@ def _place(flight: Flight, prepared: Prepared, found: dict[str, Any], across: np
             f"{name}, on which it was flown, was lost {after}: at the end the aircraft was {off:.0f} m off its leg and "
             f"the estimate wrong by {wrong:.0f} m across, where it stated {sigma:.0f} m"
         )
-    late, stood = found["rate_lag_s"], found["rate_lag_stood_s"]
+    late, stood = quality.rate_lag, quality.rate_lag_tolerated
     at_limit = float(np.mean(np.abs(flight.command.bank) >= prepared.law.bank_limit * (1 - 1e-6)))
     if late is not None and stood is not None and (late > stood or (at_limit > SWINGING and 2.0 * late > stood)):
         return (
@@ -103,12 +105,12 @@ def _place(flight: Flight, prepared: Prepared, found: dict[str, Any], across: np
             f"{stood:.1f} s: the aircraft swung about its leg, at the bank limit for {at_limit:.0%} of the time"
         )
     return (
-        f"{name}, on which it was flown, was wrong by {found['error_rms_m']:.0f} m rms across, and the autopilot "
+        f"{name}, on which it was flown, was wrong by {quality.error_rms:.0f} m rms across, and the autopilot "
         f"followed its noise"
     )
 
 
-def _height(flight: Flight, name: str, judged: dict[str, Any]) -> str:
+def _height(name: str, judged: dict[str, Any]) -> str:
     """A tracker of an elevation gives the height."""
     channel, figure = next(iter(judged["overall"].items()), ("", {"rmse": np.nan}))
     lost = judged.get("lost_time_s")

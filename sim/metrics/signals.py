@@ -1,16 +1,15 @@
-"""What can be asked of a flight at every instant, in the units of its name; checks, figures and metrics read these."""
+"""The table of signals: what can be asked of a flight at every instant; checks, figures and metrics read these."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from sim.flight.record import Flight
 from sim.scenario.tables import Runway
 
-# A single upper limit on one of these is meant for its magnitude.
-MAGNITUDES = {"bank_deg", "bank_rate_degps", "cross_track_m", "height_error_m", "crab_deg", "glide_dots"}
 DOT = 0.35  # deg, of a glide-path needle [full scale 0.7 deg at 3 deg]
 
 
@@ -47,13 +46,47 @@ def glide_dots(flight: Flight, runway: Runway) -> np.ndarray:
     return np.where(flight.during("glide"), np.degrees(angle) / DOT, np.nan)
 
 
-SIGNALS: dict[str, Callable[[Flight, Runway], np.ndarray]] = {
-    "bank_deg": lambda flight, runway: np.degrees(flight.state.bank),
-    "bank_rate_degps": lambda flight, runway: np.degrees(bank_rate(flight)),
-    "cross_track_m": lambda flight, runway: flight.deviation.cross_track,
-    "height_error_m": height_error,
-    "glide_dots": glide_dots,
-    "airspeed_error_mps": lambda flight, runway: flight.state.airspeed - flight.command.airspeed,
-    "sink_mps": lambda flight, runway: -flight.state.velocity_up,
-    "crab_deg": lambda flight, runway: np.degrees(crab(flight)),
-}
+class Signal(NamedTuple):
+    """One quantity of a flight over time: what ``[[checks]]`` accept and reports call by its label."""
+
+    name: str
+    """Key in checks; ends in ``_UNIT``."""
+
+    unit: str
+    """Unit suffix of the values, of their limits and of the name."""
+
+    label: str
+    """What reports call it, in words and without the unit."""
+
+    of: Callable[[Flight, Runway], np.ndarray]
+    """(k,) values in ``unit`` at the instants of the record; NaN where there is nothing to judge."""
+
+    magnitude: bool = False
+    """Whether a single upper limit is meant for its magnitude."""
+
+
+SIGNALS: tuple[Signal, ...] = (
+    Signal("bank_deg", "deg", "bank", lambda flight, runway: np.degrees(flight.state.bank), True),
+    Signal("bank_rate_degps", "degps", "bank rate", lambda flight, runway: np.degrees(bank_rate(flight)), True),
+    Signal("cross_track_m", "m", "cross-track", lambda flight, runway: flight.deviation.cross_track, True),
+    Signal("height_error_m", "m", "height error", height_error, True),
+    Signal("glide_dots", "dots", "off the glide path", glide_dots, True),
+    Signal(
+        "airspeed_error_mps",
+        "mps",
+        "airspeed error",
+        lambda flight, runway: flight.state.airspeed - flight.command.airspeed,
+    ),
+    Signal("sink_mps", "mps", "sink", lambda flight, runway: -flight.state.velocity_up),
+    Signal("crab_deg", "deg", "crab", lambda flight, runway: np.degrees(crab(flight)), True),
+)
+
+
+def find(name: str) -> Signal | None:
+    """The row of a name."""
+    return next((row for row in SIGNALS if row.name == name), None)
+
+
+def names() -> tuple[str, ...]:
+    """Names of all signals, in the order of the table."""
+    return tuple(row.name for row in SIGNALS)

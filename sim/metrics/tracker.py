@@ -15,7 +15,7 @@ from tracking.intervals import mean_interval, rmse
 from tracking.track import Measurements, Track
 
 
-def judge(
+def tracker_metrics(
     flight: Flight, sensors: dict[str, Any], chart_height: float, track: Track, record: Measurements
 ) -> dict[str, Any]:
     """The figures of one tracker for metrics.json; ``sensors`` are those that it heard, ``record`` what they said."""

@@ -12,7 +12,7 @@ from sim.observation.record import SensorRecord
 CLOSE = 50.0  # m from an antenna: there the noise of a range is a good part of it, and its angles mean little
 
 
-def remarks(
+def warnings(
     flight: Flight, sensors: dict[str, Any], records: dict[str, SensorRecord], trackers: dict[str, dict[str, Any]]
 ) -> list[str]:
     """Sentences about sensors that gave nothing or stood in the way; ``trackers`` as in metrics.json."""

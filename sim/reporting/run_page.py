@@ -81,7 +81,7 @@ def write(
         outcome=words(metrics["flight"]["outcome"]),
         reason=first_clause(flight.reason),
         last_state=last_state(flight),
-        flight_rows=halves(scalar_rows({k: v for k, v in metrics["flight"].items() if k != "navigated"})),
+        flight_rows=halves(scalar_rows(metrics["flight"])),
         beside=beside_rows(metrics["flight"]),
         spread=spread_rows(metrics.get("flights_summary", {})),
         trackers=tracker_tables(trackers) if trackers else [],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -33,15 +34,22 @@ LONGEST_PATH = 200  # characters that are repeated to the user
 DEFAULTS: dict[str, Any] = {"seed": 1, "flights": 1, "draws": 130, "until_s": None}
 
 
-def read(source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Scenario:
+def read(
+    source: str | Path | dict[str, Any],
+    overrides: dict[str, Any] | None = None,
+    *,
+    checks: Callable[[dict[str, Any]], list[str]] | None = None,
+) -> Scenario:
     """A scenario from a file, a bundled name or a dict of tables, with ``table.key`` overrides.
+
+    ``checks`` tells what is wrong with the names in the tables' checks: which metrics there are is known to the caller.
 
     Raises ``ScenarioError`` with one line for each fault.
     """
     origin, tables = _load(source)
     for address, value in (overrides or {}).items():
         tables = override(tables, address, value)
-    return _build(origin, tables)
+    return _build(origin, tables, checks(tables) if checks is not None else [])
 
 
 def override(tables: dict[str, Any], address: str, value: Any) -> dict[str, Any]:
@@ -116,7 +124,7 @@ def _content(path: Path, source: str) -> bytes:
     raise ScenarioError(told(f"no scenario '{source}'", [near]))
 
 
-def _build(origin: str, tables: dict[str, Any]) -> Scenario:
+def _build(origin: str, tables: dict[str, Any], told_of_checks: list[str]) -> Scenario:
     faults: list[str] = []
     model = file_model(parts_of(tables, faults))
     try:
@@ -124,7 +132,8 @@ def _build(origin: str, tables: dict[str, Any]) -> Scenario:
     except ValidationError as error:
         faults += faults_of(model, error)
     if faults:
-        raise ScenarioError(told(origin, faults))
+        raise ScenarioError(told(origin, [*faults, *told_of_checks]))
+    faults = list(told_of_checks)
 
     def table(name: str, cls: type) -> Any:
         return _construct(faults, f"[{name}]", cls, tables.get(name, {}))

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sim.errors import ScenarioError, did_you_mean
-from sim.experiment import fly
+from sim.experiment import fly, read
 from sim.flight.preparation import prepare
-from sim.metrics.checks import SCALARS
-from sim.metrics.flight import flight_metrics
-from sim.scenario.reading import read
+from sim.metrics import table
+from sim.metrics.figures import Context
+from sim.metrics.flight import value as figure_of
 
 FAILED = ("diverged", "orbit", "envelope")  # outcomes of flights that are beyond every limit
 
@@ -52,17 +52,16 @@ def border(
 
     Raises ``ScenarioError`` when the border does not lie between the values.
     """
-    if metric not in SCALARS:
-        raise ScenarioError(f"no metric '{metric}'; {did_you_mean(metric, SCALARS)}")
+    row = table.find(metric)
+    if row is None:
+        raise ScenarioError(f"no metric '{metric}'; {did_you_mean(metric, table.names())}")
     if not 0.0 < low < high or not within > 0.0:
         raise ScenarioError(f"a border is looked for between 0 < low < high, not between {low:g} and {high:g}")
 
     def exceeds(value: float) -> bool:
         prepared = prepare(read(source, {**(overrides or {}), address: value}))
         flight = fly(prepared)
-        figure: Any = flight_metrics(flight, prepared.scenario.runway, prepared.law.bank_limit)
-        for part in metric.split("."):
-            figure = None if figure is None else figure[part]
+        figure = figure_of(row, flight, Context(prepared.scenario.runway, prepared.law.bank_limit))
         return flight.outcome in FAILED or (figure is not None and figure > limit)
 
     if exceeds(low):

@@ -7,9 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.metrics import table
 from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart
-from sim.reporting.text.labels import split, words
+from sim.reporting.text.labels import named, split, words
 from sim.studies.theory import THEORIES, Line
 
 MOST_LINES = 6
@@ -97,7 +98,7 @@ def label(name: str) -> str:
     if slash:
         return f"{label(above)} / {label(below)}"
     own = name.removeprefix("trackers.").removeprefix("wind.events.")
-    text, unit = split(own.replace(".overall.", " ").replace(".", " "))
+    text, unit = named(name) if table.find(name) else split(own.replace(".overall.", " ").replace(".", " "))
     return f"{text}, {unit}" if unit else text
 
 

@@ -88,6 +88,7 @@ def load(cache: Path, name: str, prepared: Prepared) -> Flight | None:
                 tuple(Event(*event) for event in told["events"]),
                 told["outcome"],
                 told["reason"],
+                prepared.gate_height,
             )
         os.utime(path)  # still of use
     except FileNotFoundError:

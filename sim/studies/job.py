@@ -7,12 +7,13 @@ import json
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from sim import experiment
 from sim.errors import ScenarioError
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Flight
-from sim.metrics.checks import judge
+from sim.metrics.checks import evaluate_checks
 from sim.metrics.flight import flight_metrics
-from sim.scenario.reading import override, read
+from sim.scenario.reading import override
 from sim.studies import flight_cache
 
 CRASHED = "crashed"  # the outcome of a flight that could not be flown to any end
@@ -65,13 +66,11 @@ def _record(job: Job, metrics: dict[str, Any], checks: list[dict[str, Any]]) -> 
 @functools.lru_cache(maxsize=1)
 def _prepared(tables: str, drawn: str) -> Prepared:
     """Flights of one sample come in a row and share their preparation."""
-    return prepare(read(with_values(json.loads(tables), json.loads(drawn))))
+    return prepare(experiment.read(with_values(json.loads(tables), json.loads(drawn))))
 
 
 def _flight(prepared: Prepared, job: Job) -> Flight:
     """The flight of a job, flown unless another cell of the study has flown it."""
-    from sim import experiment
-
     if job.cache is None or not flight_cache.shared(prepared):
         return experiment.fly(prepared, job.flight)
     place, name = Path(job.cache), flight_cache.key(prepared, job.flight)
@@ -96,6 +95,6 @@ def _judged(prepared: Prepared, number: int, flight: Flight) -> tuple[dict[str, 
         name = scenario.autopilot.navigation
         followed = tracks[name].track if name in tracks else None
         metrics["navigated"] = navigated(prepared, flight, followed, metrics["trackers"].get(name, {}))
-    judged = judge(scenario.checks, flight, scenario.runway, metrics)
+    judged = evaluate_checks(scenario.checks, flight, scenario.runway, metrics)
     kept = ("value", "margin", "time_s", "passed")
     return metrics, [{key: check[key] for key in kept} for check in judged]

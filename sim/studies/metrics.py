@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.metrics.checks import unit_of
 from sim.scenario.axes import Axis, Listed
 from sim.scenario.tables import Check, StudyCheck
 
@@ -143,7 +144,7 @@ def share_check(check: StudyCheck, records: Sequence[dict[str, Any]]) -> dict[st
         "metric": check.metric,
         "limit": limit,
         "value": value,
-        "unit": check.metric.rsplit("_", 1)[-1] if "_" in check.metric else "",
+        "unit": unit_of(check.metric),
         "margin": None if value is None else sign * (limit - value) + 0.0,
         "flights": len(ordered),
         "within": sum(figure <= sign * limit for figure in ordered),
@@ -166,7 +167,7 @@ def every_flight(check: Check, index: int, records: Sequence[dict[str, Any]]) ->
         "metric": check.metric,
         "limit": check.max if check.max is not None else check.min,
         "value": nearest[1]["value"] if nearest else None,
-        "unit": check.metric.rsplit("_", 1)[-1] if "_" in check.metric else "",
+        "unit": unit_of(check.metric),
         "margin": nearest[1]["margin"] if nearest else None,
         "at": {**nearest[0]["values"], "flight": nearest[0]["flight"]} if nearest else None,
         "flights": len(judged),

@@ -9,12 +9,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from sim.errors import ScenarioError, did_you_mean
+from sim.errors import ScenarioError
+from sim.experiment import read
 from sim.flight.preparation import prepare
-from sim.metrics.checks import SCALARS
 from sim.scenario.axes import Axis, Listed, cells, samples
 from sim.scenario.model import Scenario
-from sim.scenario.reading import read
 from sim.scenario.tables import StudyCheck, StudyTable
 from sim.studies import folder as folders
 from sim.studies.job import with_values
@@ -85,9 +84,6 @@ def _faults(scenario: Scenario, table: StudyTable, axes: tuple[Axis, ...]) -> li
             )
         if theory.needs(scenario):
             faults.append(f'[study] theory "{table.theory}" needs {theory.needs(scenario)}')
-    for check in table.checks:
-        if check.metric not in SCALARS and not check.metric.startswith("trackers."):
-            faults.append(f"[[study.checks]] no metric '{check.metric}'; {did_you_mean(check.metric, SCALARS)}")
     return faults
 
 

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from sim.errors import OutputError
+from sim.experiment import read
 from sim.files import replace, replace_json
 from sim.scenario.budget import available_memory
-from sim.scenario.reading import read
 from sim.scenario.toml_writer import dumps
 from sim.studies import flight_cache
 from sim.studies import folder as folders

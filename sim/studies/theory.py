@@ -15,9 +15,10 @@ from autopilot.limit_cycles import LimitedLoop, caught, limited_loop, onset
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset
 from sim.errors import ScenarioError
+from sim.experiment import read
 from sim.scenario.model import Scenario
 from sim.scenario.parameters import construct
-from sim.scenario.reading import override, read
+from sim.scenario.reading import override
 from sim.scenario.tables import LegsTable, PatternTable
 
 

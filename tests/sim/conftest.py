@@ -15,7 +15,7 @@ from sim.flight.record import Event, Flight
 PHASES = ("final", "glide", "flare", "ground", "go_around")
 
 
-def made(time, phase, route=None, **signals):
+def made(time, phase, route=None, gate_height=None, **signals):
     """A flight northwards along a line, every other signal zero unless given; command signals carry ``command_``."""
     k = len(time)
     columns = {name: np.zeros(k) for name in AircraftState._fields}
@@ -27,7 +27,7 @@ def made(time, phase, route=None, **signals):
     index = np.array([PHASES.index(name) for name in phase])
     events = (Event(0.0, phase[0]),)
     state, command = AircraftState(**columns), Command(**commands)
-    return Flight(route, state, command, np.zeros(k, int), index, PHASES, events, "completed", "")
+    return Flight(route, state, command, np.zeros(k, int), index, PHASES, events, "completed", "", gate_height)
 
 
 @pytest.fixture

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from sim.errors import ScenarioError
-from sim.metrics.checks import judge
-from sim.metrics.flight import DECISION_HEIGHT, GLIDE_CAPTURE, flight_metrics
+from sim.metrics.checks import evaluate_checks
+from sim.metrics.figures import DECISION_HEIGHT, GLIDE_CAPTURE
+from sim.metrics.flight import flight_metrics
 from sim.scenario.tables import Check, Runway
 
 GRAVITY = 9.80665
@@ -77,7 +78,7 @@ TRACKERS = {
     ],
 )
 def test_a_figure_of_a_tracker_is_found_whatever_its_channel_is_called(metric, value, make_flight):
-    (result,) = judge((Check(metric, max=50.0),), glide(make_flight), RUNWAY, {"trackers": TRACKERS})
+    (result,) = evaluate_checks((Check(metric, max=50.0),), glide(make_flight), RUNWAY, {"trackers": TRACKERS})
     assert result["value"] == value
     assert result["passed"]
 
@@ -92,5 +93,5 @@ def test_a_figure_of_a_tracker_is_found_whatever_its_channel_is_called(metric, v
 )
 def test_a_figure_that_is_not_there_is_answered_by_what_is(metric, said, make_flight):
     with pytest.raises(ScenarioError) as caught:
-        judge((Check(metric, max=1.0),), glide(make_flight), RUNWAY, {"trackers": TRACKERS})
+        evaluate_checks((Check(metric, max=1.0),), glide(make_flight), RUNWAY, {"trackers": TRACKERS})
     assert said in str(caught.value)

@@ -8,7 +8,7 @@ import numpy as np
 
 from autopilot.mode import Mode
 from sim.flight.record import Flight
-from sim.metrics.flight import GLIDE_CAPTURE
+from sim.metrics.figures import GLIDE_CAPTURE
 from sim.metrics.signals import height_error
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase, over_time, pad, phase_strip

@@ -9,27 +9,13 @@ import numpy as np
 from aircraft.data import data
 from sim.flight import weather
 from sim.flight.record import Flight
+from sim.metrics import table
+from sim.metrics.flight import figure
 from sim.reporting.text.best_tracker import who_won
-from sim.reporting.text.labels import decimals, number, split, words
+from sim.reporting.text.labels import number, unit, words
 from sim.reporting.text.outcome_sentence import what_happened
 from sim.reporting.text.rows import check_name
 from sim.reporting.tracker_figures.error_curves import Followed
-
-KEY_FIGURES = (
-    ("duration_s", "flight time"),
-    ("bank_max_deg", "greatest bank"),
-    ("time_saturated_s", "at the bank limit"),
-    ("base_overshoot_m", "overshoot of base"),
-    ("overshoot_m", "overshoot of the last leg"),
-    ("settling_s", "settled after"),
-    ("cross_track_rms_final_m", "cross-track RMS, final"),
-    ("height_error_rms_final_m", "height error RMS, glide path"),
-    ("touchdown.past_threshold_m", "touchdown past the threshold"),
-    ("touchdown.cross_track_m", "touchdown right of centreline"),
-    ("touchdown.sink_mps", "sink at touchdown"),
-    ("touchdown.crab_deg", "crab at touchdown"),
-)
-TENTHS = ("duration_s", "time_saturated_s", "settling_s")
 
 
 def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any], followed: list[Followed]) -> dict[str, Any]:
@@ -72,12 +58,8 @@ def _outcomes(counts: dict[str, int]) -> str:
 
 def _key_figures(flight: dict[str, Any]) -> list[tuple[str, str, str]]:
     """(label, number, unit) of the figures that this flight has."""
-    shown = []
-    for key, label in KEY_FIGURES:
-        value: Any = flight
-        for part in key.split("."):
-            value = value.get(part) if isinstance(value, dict) else None
-        if value is not None:
-            places = 1 if key in TENTHS else min(decimals(value), 2)
-            shown.append((label, number(float(value), places), split(key)[1]))
-    return shown
+    return [
+        (row.label, number(float(value), row.digits), unit(row.unit))
+        for row in table.METRICS
+        if row.headline and (value := figure(flight, row.name)) is not None
+    ]

@@ -7,6 +7,7 @@ import re
 from typing import Any
 
 from aircraft.units import SUFFIXES
+from sim.metrics import signals, table
 
 ABSENT = "–"
 _SHOWN = {
@@ -39,6 +40,12 @@ def split(name: str) -> tuple[str, str]:
     endings = [suffix for suffix in SUFFIXES if name.endswith(f"_{suffix}") or name == suffix]
     suffix = max(endings, key=len, default="")
     return words(name[: -len(suffix) - 1] if suffix else name), unit(suffix)
+
+
+def named(name: str) -> tuple[str, str]:
+    """(label, printed unit) of a figure or a signal by its row in the tables of metrics; of anything else, split."""
+    row = table.find(name) or signals.find(name)
+    return (row.label, unit(row.unit)) if row is not None else split(name)
 
 
 def words(name: str) -> str:

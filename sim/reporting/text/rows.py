@@ -7,14 +7,16 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
+from sim.metrics import signals, table
+from sim.metrics.flight import NAVIGATED, figure
 from sim.metrics.navigation import beside
-from sim.metrics.signals import SIGNALS
-from sim.reporting.text.labels import ABSENT, decimals, number, split, unit, words
+from sim.reporting.text.labels import ABSENT, decimals, named, number, split, unit, words
 from sim.reporting.text.outcome_sentence import first_clause
 from sim.scenario.parameters import dump
 from sim.scenario.tables import Check
 
 MOST_EVENTS = 60  # before the last, which says how the flight ended
+LANDED = "landed"  # the figure that the outcome says in words
 
 
 def check_row(asked: Check, check: dict[str, Any]) -> dict[str, Any]:
@@ -24,10 +26,11 @@ def check_row(asked: Check, check: dict[str, Any]) -> dict[str, Any]:
     while margin and abs(margin) < 0.5 * 10**-places and places < 6:
         places += 1
     during = check["during"] if isinstance(check["during"], str) else ", ".join(check["during"])
+    over_time = signals.find(check["metric"]) is not None
     return {
         "name": check_name(check),
-        "when": (words(during) if during != "all" else "whole flight") if check["metric"] in SIGNALS else ABSENT,
-        "how": _statistic(check["statistic"], check["for_s"]) if check["metric"] in SIGNALS else "once",
+        "when": (words(during) if during != "all" else "whole flight") if over_time else ABSENT,
+        "how": _statistic(check["statistic"], check["for_s"]) if over_time else "once",
         "limit": _limits(asked, places),
         "value": number(None if value is None else float(value), places),
         "margin": number(None if margin is None else float(margin), places),
@@ -47,8 +50,8 @@ def _limits(asked: Check, places: int) -> str:
 
 
 def check_name(check: dict[str, Any]) -> str:
-    """The user's name of a check, or its metric in words; the unit has a column of its own."""
-    return words(check["name"]) if check["name"] != check["metric"] else split(check["metric"])[0]
+    """The user's name of a check, or the label of its metric; the unit has a column of its own."""
+    return words(check["name"]) if check["name"] != check["metric"] else named(check["metric"])[0]
 
 
 def _statistic(name: str, lasting: float) -> str:
@@ -89,15 +92,15 @@ def last_state(flight: Flight) -> list[tuple[str, str, str]]:
     return [(name, number(float(values[-1]), 2), unit) for name, values, unit in shown]
 
 
-def scalar_rows(figures: dict[str, Any], prefix: str = "") -> list[tuple[str, str, str]]:
-    """(name, value, unit) of every number; nested tables are written out."""
+def scalar_rows(figures: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """(label, value, unit) of every row of the metric table; those of a nested table only where the flight has it."""
     rows: list[tuple[str, str, str]] = []
-    for key, value in figures.items():
-        if isinstance(value, dict):
-            rows += scalar_rows(value, f"{prefix}{words(key)}: ")
-        elif not isinstance(value, str) and key != "landed":  # the outcome says it
-            name, suffix = split(key)
-            rows.append((prefix + name, number(value), suffix if value is not None else ""))
+    for row in table.METRICS:
+        nested = row.name.rpartition(".")[0]
+        if row.name == LANDED or nested == NAVIGATED or (nested and not figures.get(nested)):
+            continue
+        value = figure(figures, row.name)
+        rows.append((row.label, number(value, row.digits), unit(row.unit) if value is not None else ""))
     return rows
 
 
@@ -105,8 +108,10 @@ def beside_rows(figures: dict[str, Any]) -> list[tuple[str, str, str, str]]:
     """(figure, on the estimate, on the truth, unit) of a flight that a tracker navigated; empty for others."""
     rows = []
     for key, flown, truth in beside(figures):
-        name, suffix = split(key)
-        ours, theirs = (words(it) if isinstance(it, str) else number(it) for it in (flown, truth))
+        name, suffix = named(key)
+        row = table.find(key)
+        places = None if row is None else row.digits
+        ours, theirs = (words(it) if isinstance(it, str) else number(it, places) for it in (flown, truth))
         rows.append((name, ours, theirs, suffix))
     return rows
 
@@ -118,17 +123,14 @@ def halves(rows: list[Any]) -> list[list[Any]]:
 
 
 def spread_rows(summary: dict[str, Any]) -> list[tuple[str, ...]]:
-    """(name, unit, 5th, 50th, 95th percentile) over several flights; empty for one."""
+    """(label, unit, 5th, 50th, 95th percentile) over several flights; empty for one."""
     if sum(summary.get("outcomes", {}).values()) < 2:
         return []
-    rows = []
-    for key, figures in summary.items():
-        if key not in ("outcomes", "landed"):
-            name, suffix = split(key)
-            values = [figures["p5"], figures["p50"], figures["p95"]]
-            places = decimals(*values)
-            rows.append((name, suffix, *(number(float(v), places) for v in values)))
-    return rows
+    return [
+        (row.label, unit(row.unit), *(number(float(summary[row.name][p]), row.digits) for p in ("p5", "p50", "p95")))
+        for row in table.METRICS
+        if row.name in summary and row.name != LANDED
+    ]
 
 
 def law_rows(law: Any) -> list[tuple[str, str, str]]:

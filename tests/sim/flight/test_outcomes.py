@@ -9,7 +9,7 @@ import pytest
 import sim
 from aircraft.state import AircraftState
 from autopilot.route import Leg, Route
-from sim.flight.outcomes import Judge, Limits
+from sim.flight.outcomes import Limits, OutcomeMonitor
 from sim.scenario.tables import Runway
 
 RUNWAY = Runway(heading=math.radians(80.0))
@@ -19,7 +19,7 @@ FLYING = AircraftState(*(0.0 for _ in AircraftState._fields))._replace(airspeed=
 
 def touchdown(past, across, sink=0.6):
     """The verdict on a straight flight along the runway whose wheels touch at a place."""
-    judge = Judge(Limits(None, RUNWAY), ROUTE)
+    monitor = OutcomeMonitor(Limits(None, RUNWAY), ROUTE)
     ahead = math.cos(RUNWAY.heading), math.sin(RUNWAY.heading)
     for wheels in (0.0, 2.0):
         north, east = RUNWAY.to_local(past, across)
@@ -27,7 +27,7 @@ def touchdown(past, across, sink=0.6):
             north=north, east=east, height=1.0, velocity_north=60.0 * ahead[0], velocity_east=60.0 * ahead[1],
             velocity_up=-sink, main_wheels=wheels,
         )  # fmt: skip
-        verdict = judge(state, 0, "")
+        verdict = monitor(state, 0, "")
     return verdict
 
 

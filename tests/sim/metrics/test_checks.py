@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from sim.metrics.checks import judge, refuse_unknown
+from sim.metrics.checks import evaluate_checks, unit_of, unknown_names
 from sim.metrics.flight import flight_metrics, summarise
 from sim.scenario.tables import Check, Runway
 
@@ -16,7 +16,7 @@ FINAL = ["final"] * len(TIME)
 
 
 def only(check, flight, metrics=None):
-    (result,) = judge((check,), flight, Runway(), metrics or {})
+    (result,) = evaluate_checks((check,), flight, Runway(), metrics or {})
     return result
 
 
@@ -104,9 +104,40 @@ def test_a_scalar_that_the_flight_lacks_fails(make_flight):
 
 
 def test_unknown_metrics_and_phases_get_suggestions():
-    told = refuse_unknown((Check("bank_dge", max=1.0), Check("bank_deg", max=1.0, during="glied")), ("final", "glide"))
+    checks = [{"metric": "bank_dge"}, {"metric": "bank_deg", "during": ["final", "glied"]}, {"metric": "sink_mps"}]
+    told = unknown_names({"checks": checks, "study": {"checks": [{"metric": "overshot_m"}, {"metric": "sink_mps"}]}})
+    assert [fault.partition(";")[0] for fault in told] == [
+        "[[checks]] entry 0 metric: no metric 'bank_dge'",
+        "[[checks]] entry 1 during: no phase 'glied'",
+        "[[study.checks]] entry 0 metric: no metric 'overshot_m'",
+        "[[study.checks]] entry 1 metric: no metric 'sink_mps'",  # of a study, one number a flight is asked
+    ]
     assert "did you mean 'bank_deg'?" in told[0]
     assert "did you mean 'glide'?" in told[1]
+
+
+@pytest.mark.parametrize("checks", [None, 3, "bank", [1], [[]], [{"metric": 4, "during": 5}], [{"during": [6]}], [{}]])
+def test_names_are_looked_for_in_whatever_a_file_says(checks):
+    assert unknown_names({"checks": checks, "study": checks}) == []
+
+
+@pytest.mark.parametrize(
+    ("metric", "unit"),
+    [
+        ("bank_rate_degps", "degps"),
+        ("glide_dots", "dots"),
+        ("landed", ""),
+        ("cross_track_at_30_m_m", "m"),
+        ("touchdown.sink_mps", "mps"),
+        ("trackers.mls_s.overall.mls.elevation_deg.rmse", "deg"),
+        ("trackers.mine.look_ahead.20_s.position_m.gain", ""),
+        ("trackers.mine.lost_fraction", ""),
+        ("trackers.mine.lost_time_s", "s"),
+        ("trackers.mine_m", ""),
+    ],
+)
+def test_a_check_has_the_unit_of_what_it_is_about(metric, unit):
+    assert unit_of(metric) == unit
 
 
 def test_overshoot_is_what_lies_on_the_other_side(make_flight):

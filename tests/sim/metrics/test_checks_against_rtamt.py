@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 
-from sim.metrics.checks import judge
+from sim.metrics.checks import evaluate_checks
 from sim.scenario.tables import Check, Runway
 
 STEP = 1 / 30
@@ -50,7 +50,9 @@ def test_margins_are_those_of_temporal_logic(rtamt, make_flight, seed, lasting):
     flight = make_flight(np.arange(60) * STEP, ["final"] * 60, airspeed=airspeed)
     judged = {}
     for name, limits in (("max", {"max": high}), ("min", {"min": low}), ("both", {"max": high, "min": low})):
-        (judged[name],) = judge((Check("airspeed_error_mps", for_=lasting * STEP, **limits),), flight, Runway(), {})
+        (judged[name],) = evaluate_checks(
+            (Check("airspeed_error_mps", for_=lasting * STEP, **limits),), flight, Runway(), {}
+        )
     above = robustness(rtamt, error, f"x <= {high!r}", lasting)
     below = robustness(rtamt, error, f"x >= {low!r}", lasting)
     # sums of some ten numbers of size 100 in another order
@@ -71,7 +73,9 @@ def test_a_phase_flown_twice_is_the_worse_of_both(rtamt, make_flight, seed):
     airspeed = random_signal(generator, 90)
     phase = ["glide"] * 30 + ["final"] * 20 + ["glide"] * 40
     flight = make_flight(np.arange(90) * STEP, phase, airspeed=airspeed)
-    (result,) = judge((Check("airspeed_error_mps", max=5.0, during="glide", for_=3 * STEP),), flight, Runway(), {})
+    (result,) = evaluate_checks(
+        (Check("airspeed_error_mps", max=5.0, during="glide", for_=3 * STEP),), flight, Runway(), {}
+    )
     parts = airspeed[:30] - 70.0, airspeed[50:] - 70.0
     judge_says = min(robustness(rtamt, part, "x <= 5.0", 3) for part in parts)
     assert result["margin"] == pytest.approx(judge_says, abs=1e-11)

@@ -12,13 +12,14 @@ import pytest
 from autopilot.design import Designed, lateral_law
 from autopilot.route import Leg, Route
 from sim.metrics.navigation import beside, navigated
+from sim.scenario.tables import Runway
 from tracking.motion import CARTESIAN
 
 GRAVITY = 9.80665
 LAW = lateral_law(2.3, 72.0, math.radians(15.0))
 LIMITS = (LAW.bank_limit, LAW.cross_track_limit, LAW.cross_track_rate_limit)
 DESIGNED = Designed((), 2.3, 6.9, 0.0, LAW.k1, LAW.k2, *LIMITS)
-SCENARIO = SimpleNamespace(autopilot=SimpleNamespace(navigation="mine"))
+SCENARIO = SimpleNamespace(autopilot=SimpleNamespace(navigation="mine"), runway=Runway())
 PREPARED = SimpleNamespace(scenario=SCENARIO, law=LAW, designed=DESIGNED)
 TIME = np.arange(0.0, 200.0, 1 / 30)
 SWING, PERIOD = 80.0, 36.0  # m, s

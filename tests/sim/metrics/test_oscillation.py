@@ -16,7 +16,7 @@ from sim.cli.explain import explain
 from sim.errors import ScenarioError
 from sim.flight.linear_model import scenario_loop
 from sim.flight.preparation import prepare
-from sim.metrics.flight import oscillation
+from sim.metrics.figures import bank_cycle
 from sim.scenario.axes import cells
 from sim.scenario.reading import read
 from sim.studies import theory as study_theory
@@ -33,6 +33,12 @@ def swinging(bank, until=200.0):
     """A flight whose bank is a function of time."""
     time = np.arange(0.0, until, 1.0 / 30.0)
     return SimpleNamespace(time=time, state=SimpleNamespace(bank=np.radians(bank(time))))
+
+
+def oscillation(flight):
+    """Amplitude and period as metrics.json names them."""
+    amplitude, period = bank_cycle(flight)
+    return {"bank_cycle_deg": math.degrees(amplitude), "bank_cycle_period_s": period}
 
 
 def test_a_steady_oscillation_has_its_amplitude_and_period_whatever_came_before():

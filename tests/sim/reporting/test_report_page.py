@@ -16,7 +16,7 @@ from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, Route, pattern_route
 from sim.flight.record import Event
-from sim.metrics.checks import judge
+from sim.metrics.checks import evaluate_checks
 from sim.metrics.flight import flight_metrics
 from sim.reporting.figures import style
 from sim.reporting.figures.histories import bank_history
@@ -68,7 +68,12 @@ def scenario(**tables):
 def written(tmp_path, flight, law=LAW, given=None, **more):
     given = given or scenario()
     figures = flight_metrics(flight, given.runway, given.autopilot.bank_limit)
-    metrics = {"flight": figures, "checks": judge(given.checks, flight, given.runway, figures), "seed": 1, "draws": 130}
+    metrics = {
+        "flight": figures,
+        "checks": evaluate_checks(given.checks, flight, given.runway, figures),
+        "seed": 1,
+        "draws": 130,
+    }
     path = write(
         tmp_path / "report.html", scenario=given, flight=flight, law=law, metrics=metrics | more,
         versions={"shortfinal": "0.1.0"}, timing={"fly_s": 1.0},

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from sim.estimation.tracking_run import Tracked
-from sim.metrics.checks import judge
+from sim.metrics.checks import evaluate_checks
 from sim.metrics.flight import flight_metrics
 from sim.observation.record import SensorRecord
 from sim.observation.sensors.precision_radar import PrecisionRadar
@@ -105,7 +105,7 @@ def summaries(given, rmse, **more):
 
 def written(tmp_path, flight, given, tracked, trackers, records=None, built=None):
     figures = flight_metrics(flight, given.runway, given.autopilot.bank_limit)
-    checks = judge(given.checks, flight, given.runway, figures)
+    checks = evaluate_checks(given.checks, flight, given.runway, figures)
     metrics = {"flight": figures, "checks": checks, "seed": 1, "draws": 2, "trackers": trackers}
     path = write(
         tmp_path / "report.html", scenario=given, flight=flight, law=LAW, metrics=metrics,

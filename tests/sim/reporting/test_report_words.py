@@ -187,18 +187,21 @@ def test_events_tell_the_state_of_their_instant(make_flight):
     assert event_rows(flight) == [("1.0", "go around", "399.0", "70.0", "5.0", "why")]
 
 
-def test_nested_figures_are_written_out_and_texts_left_to_the_page():
-    rows = scalar_rows(
-        {"outcome": "landed", "landed": 1.0, "bank_max_deg": 15.0, "touchdown": {"sink_mps": 0.5}, "none_m": None}
-    )
-    assert rows == [("bank max", "15.00", "deg"), ("touchdown: sink", "0.500", "m/s"), ("none", "–", "")]
+def test_figures_stand_under_their_labels_and_texts_are_left_to_the_page():
+    figures = {"outcome": "landed", "landed": 1.0, "bank_max_deg": 15.0, "settling_s": None}
+    rows = scalar_rows({**figures, "touchdown": {"sink_mps": 0.5}})
+    assert {("greatest bank", "15.00", "deg"), ("settled after", "–", ""), ("sink at touchdown", "0.50", "m/s")} < {
+        *rows
+    }
+    assert not [row for row in rows if "landed" in row]
+    assert not [name for name, *_ in scalar_rows({**figures, "touchdown": None}) if "touchdown" in name]
 
 
 def test_the_spread_is_shown_for_several_flights_only():
     band = {"p5": 1.0, "p50": 2.0, "p95": 3.0}
-    assert spread_rows({"outcomes": {"landed": 1}, "sink_mps": band}) == []
-    assert spread_rows({"outcomes": {"landed": 19, "go_around": 1}, "landed": band, "sink_mps": band}) == [
-        ("sink", "m/s", "1.00", "2.00", "3.00")
+    assert spread_rows({"outcomes": {"landed": 1}, "touchdown.sink_mps": band}) == []
+    assert spread_rows({"outcomes": {"landed": 19, "go_around": 1}, "landed": band, "touchdown.sink_mps": band}) == [
+        ("sink at touchdown", "m/s", "1.00", "2.00", "3.00")
     ]
 
 

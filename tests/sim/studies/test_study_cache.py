@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -179,9 +180,11 @@ def test_a_flight_comes_back_as_it_was_left(tmp_path):
             assert one.strides == other.strides  # sums depend on the order in memory
     np.testing.assert_array_equal(flight.leg, again.leg)
     np.testing.assert_array_equal(flight.phase, again.phase)
-    rest = ("route", "phases", "events", "outcome", "reason")
+    rest = ("route", "phases", "events", "outcome", "reason", "gate_height")
     assert set(vars(flight)) == {"state", "command", "leg", "phase", *rest}  # whatever a flight has is looked at
     assert [getattr(flight, name) for name in rest] == [getattr(again, name) for name in rest]
+    low = SimpleNamespace(route=ready.route, gate_height=150.0)
+    assert flight_cache.load(tmp_path, "name", low).gate_height == 150.0
 
 
 def test_a_folder_without_a_cache_is_flown_all_the_same(tmp_path, flown):

@@ -46,10 +46,10 @@ OFFSETS = {"start.cross_track_m": {"grid": [0, 700, 8]}}
 @pytest.mark.parametrize(
     ("axes", "samples", "titles"),
     [
-        (SPEEDS, 1, ["overshoot, m"]),
-        (SPEEDS | OFFSETS, 1, ["Outcomes", "overshoot, m"]),
-        ({"start.cross_track_m": {"uniform": [0, 9]}}, 20, ["overshoot, m"]),
-        (SPEEDS | {"start.cross_track_m": [1, 2, 3]}, 1, ["overshoot, m"]),
+        (SPEEDS, 1, ["overshoot of the last leg, m"]),
+        (SPEEDS | OFFSETS, 1, ["Outcomes", "overshoot of the last leg, m"]),
+        ({"start.cross_track_m": {"uniform": [0, 9]}}, 20, ["overshoot of the last leg, m"]),
+        (SPEEDS | {"start.cross_track_m": [1, 2, 3]}, 1, ["overshoot of the last leg, m"]),
     ],
     ids=["curve", "map", "distribution", "lines"],
 )

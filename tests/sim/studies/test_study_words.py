@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim.cli.run_summary import study_summary
-from sim.metrics.checks import broken, broken_in_study, judge
+from sim.metrics.checks import broken, broken_in_study, evaluate_checks
 from sim.scenario.tables import Check, Runway, StudyCheck
 from sim.studies.metrics import every_flight, share_check
 
@@ -38,7 +38,7 @@ TIME = np.arange(0.0, 20.0, 1 / 30)
 def test_a_broken_check_names_value_limit_time_and_source(make_flight, check, said):
     bank = np.radians(np.where((TIME >= 9.99) & (TIME < 12), 18.0, 0.0))
     flight = make_flight(TIME, ["final"] * len(TIME), bank=bank)
-    (result,) = judge((check,), flight, Runway(), {"touchdown": None})
+    (result,) = evaluate_checks((check,), flight, Runway(), {"touchdown": None})
     assert broken(result) == said
 
 

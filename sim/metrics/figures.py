@@ -1,0 +1,207 @@
+"""What the rows of the metric table compute of one flight; None where there is nothing to say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from aircraft.state import STANDARD_GRAVITY
+from sim.flight.record import RECORD_STEP, Flight
+from sim.metrics.signals import bank_rate, crab, height_error
+from sim.scenario.tables import Runway
+
+SETTLED = 0.02  # of the deviation at the start of the leg
+SETTLED_LEAST = 5.0  # m; nothing smaller is asked of a capture that starts close
+GLIDE_CAPTURE = 40.0  # s after glide entry that belong to the capture, not to the glide
+DECISION_HEIGHT = 60.0  # m
+LASTING = 60.0  # s; twice at the end of a flight
+WATCHED = 180.0  # s, at the end; for periods of up to two minutes
+LEAST = math.radians(1.0)  # of bank; less is no oscillation
+
+
+class Navigation(NamedTuple):
+    """How good the estimate was that an aircraft was flown on; None where it cannot be said."""
+
+    error_rms: float | None = None  # m, across the leg
+    rate_lag: float | None = None  # s, of the estimated rate across the leg behind the true one
+    rate_lag_tolerated: float | None = None  # s, by the law that flew
+    lost_time: float | None = None  # s, when the tracker was lost
+
+
+class Context(NamedTuple):
+    """What is known of a flight besides its record."""
+
+    runway: Runway
+    bank_limit: float  # rad, of the law that flew
+    navigation: Navigation | None = None  # of the estimate that it was flown on; None = flown on the truth
+
+
+def time_saturated(flight: Flight, context: Context) -> float:
+    """Time at the bank limit, s."""
+    saturated = np.abs(flight.command.bank) >= context.bank_limit * (1 - 1e-6)
+    return float(saturated.sum() * RECORD_STEP)
+
+
+def overshoot(flight: Flight, context: Context) -> float | None:
+    """How far the aircraft went to the other side of the last leg, m."""
+    return _overshoot(flight, int(flight.leg.max()))
+
+
+def base_overshoot(flight: Flight, context: Context) -> float | None:
+    """The same of the leg before the last one."""
+    last = int(flight.leg.max())
+    return _overshoot(flight, last - 1) if last > 0 and flight.leg.min() < last else None
+
+
+def _overshoot(flight: Flight, leg: int) -> float | None:
+    """How far the aircraft went to the other side of a leg that it came to from one side, m."""
+    on = flight.leg == leg
+    if not on.any():
+        return None
+    z = flight.deviation.cross_track[on]
+    return float(max(0.0, (-np.sign(z[0]) * z).max()))
+
+
+def settling(flight: Flight, context: Context) -> float | None:
+    """Seconds from the start of the last leg until the deviation stays small."""
+    on, z = np.flatnonzero(flight.leg == int(flight.leg.max())), flight.deviation.cross_track
+    band = max(SETTLED * abs(z[on[0]]), SETTLED_LEAST)
+    outside = on[np.abs(z[on]) > band]
+    if not outside.size:
+        return 0.0
+    return float(flight.time[outside[-1]] - flight.time[on[0]]) if outside[-1] != on[-1] else None
+
+
+def cross_track_rms(flight: Flight, context: Context) -> float | None:
+    """RMS of the deviation on the settled glide path, else on the final leg, m."""
+    glide = settled_glide(flight)
+    if glide.any():
+        return _rms(flight.deviation.cross_track[glide])
+    several = len(flight.route.legs) > 1
+    on_final = flight.during(("final", "glide")) if several else flight.leg == flight.leg.max()
+    return _rms(flight.deviation.cross_track[on_final])
+
+
+def settled_glide(flight: Flight) -> np.ndarray:
+    """(k,) bool: the glide path without its capture."""
+    glide = flight.during("glide")
+    return np.asarray(glide & (flight.time >= flight.time[np.argmax(glide)] + GLIDE_CAPTURE))
+
+
+def on_settled_glide(signal: Callable[[Flight, Context], np.ndarray]) -> Callable[[Flight, Context], float | None]:
+    """A figure: the RMS of a signal on the settled glide path."""
+    return lambda flight, context: _rms(signal(flight, context)[settled_glide(flight)])
+
+
+def _rms(values: np.ndarray) -> float | None:
+    values = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(values**2))) if values.size else None
+
+
+def normal_acceleration(flight: Flight, context: Context) -> np.ndarray:
+    """Acceleration along the lift beyond what carries the weight, m/s2."""
+    return np.asarray(STANDARD_GRAVITY * (flight.state.load_factor[2] - 1.0))
+
+
+def height_errors(flight: Flight, context: Context) -> np.ndarray:
+    """Height above what the phase asks for, m."""
+    return height_error(flight, context.runway)
+
+
+def cross_track(flight: Flight, context: Context) -> np.ndarray:
+    """Deviation from the leg that was active, m."""
+    return np.asarray(flight.deviation.cross_track)
+
+
+def at_height(
+    height: float, signal: Callable[[Flight, Context], np.ndarray]
+) -> Callable[[Flight, Context], float | None]:
+    """A figure: the value of a signal when the final approach passes a height (m) downwards."""
+
+    def of(flight: Flight, context: Context) -> float | None:
+        low = np.flatnonzero((flight.state.height <= height) & flight.during(("glide", "flare")))
+        return float(signal(flight, context)[low[0]]) if low.size else None
+
+    return of
+
+
+class Touchdown(NamedTuple):
+    """The first contact of a main wheel; sink, drift, angles and airspeed are those of the last instant before it."""
+
+    time: float  # s
+    past_threshold: float  # m
+    cross_track: float  # m right of the centreline
+    sink: float  # m/s
+    drift: float  # m/s to the right
+    crab: float  # rad, heading less the runway's
+    track_crab: float  # rad, heading less the ground track's
+    bank: float  # rad
+    airspeed: float  # m/s
+
+
+def touchdown(flight: Flight, runway: Runway) -> Touchdown | None:
+    """How the aircraft touched down; None where it did not, or was on its wheels from the beginning."""
+    contact = np.flatnonzero(flight.state.main_wheels > 0)
+    if not contact.size or contact[0] == 0:
+        return None
+    at, before = contact[0], contact[0] - 1
+    s = flight.state
+    past, across = runway.from_local(s.north[at], s.east[at])
+    along = np.cos(runway.heading), np.sin(runway.heading)
+    return Touchdown(
+        time=s.time[at],
+        past_threshold=past,
+        cross_track=across,
+        sink=-s.velocity_up[before],
+        drift=s.velocity_east[before] * along[0] - s.velocity_north[before] * along[1],
+        crab=np.remainder(s.heading[before] - runway.heading + np.pi, 2 * np.pi) - np.pi,
+        track_crab=crab(flight)[before],
+        bank=s.bank[before],
+        airspeed=s.airspeed[before],
+    )
+
+
+def at_touchdown(value: Callable[[Touchdown], float]) -> Callable[[Flight, Context], float | None]:
+    """A figure of the touchdown."""
+
+    def of(flight: Flight, context: Context) -> float | None:
+        down = touchdown(flight, context.runway)
+        return None if down is None else float(value(down))
+
+    return of
+
+
+def of_navigation(value: Callable[[Navigation], float | None]) -> Callable[[Flight, Context], float | None]:
+    """A figure of the estimate that the aircraft was flown on."""
+    return lambda flight, context: None if context.navigation is None else value(context.navigation)
+
+
+def bank_cycle(flight: Flight) -> tuple[float, float | None]:
+    """Amplitude (rad) of the bank that persisted for the last minute, and its period (s), None without an oscillation.
+
+    The amplitude is half the way from peak to peak, in that one of the last two minutes in which it is smaller: what
+    fades does not persist.
+    """
+    left, bank = flight.time[-1] - flight.time, flight.state.bank
+    minutes = [bank[left < LASTING], bank[(left >= LASTING) & (left <= 2.0 * LASTING)]]
+    amplitude = min(0.5 * float(np.ptp(minute)) if minute.size else 0.0 for minute in minutes)
+    last = left <= WATCHED
+    return amplitude, _period(flight.time[last], bank[last]) if amplitude >= LEAST else None
+
+
+def _period(time: Any, bank: Any) -> float | None:
+    """Mean time between every other passage through the middle; None with less than three of them."""
+    level = bank - 0.5 * (bank.max() + bank.min())
+    at = np.flatnonzero((level[:-1] < 0.0) != (level[1:] < 0.0))
+    if len(at) < 3:
+        return None
+    passed = time[at] + (time[at + 1] - time[at]) * level[at] / (level[at] - level[at + 1])
+    return float((passed[2:] - passed[:-2]).mean())
+
+
+def rates_on_bank(flight: Flight, context: Context) -> np.ndarray:
+    """Rate of the bank angle, deg/s."""
+    return np.asarray(np.degrees(bank_rate(flight)))
