@@ -144,8 +144,8 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
     }
     try:
         replace(folder / folders.LOG, "".join(lines))
-        replace(folder / "report.html", page(scenario, metrics, ordered))
         replace_json(folder / "metrics.json", metrics)
+        replace(folder / "report.html", page(scenario, metrics, ordered))
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written: {error.strerror}; finished flights are kept") from None
     return metrics

@@ -10,12 +10,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from aircraft.errors import TrimError
 from autopilot.design import law_of_frequency
 from autopilot.limit_cycles import LimitedLoop, caught, limited_loop, onset
+from autopilot.mode import DesignCase
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset
 from sim.errors import ScenarioError
 from sim.experiment import read
+from sim.scenario import catalogue
 from sim.scenario.model import Scenario
 from sim.scenario.parameters import construct
 from sim.scenario.reading import override
@@ -67,19 +70,38 @@ def orbit_border(law: Any, scenario: Scenario, wind: np.ndarray) -> np.ndarray:
 
 
 def orbit_needs(scenario: Scenario) -> str:
-    """Legs, whose speed is that of the intercept."""
-    return "" if isinstance(scenario.route, LegsTable) else 'a route of legs, [route] kind = "legs"'
+    """Legs, whose speed is that of the intercept, and the route law."""
+    if not isinstance(scenario.route, LegsTable):
+        return 'a route of legs, [route] kind = "legs"'
+    return _route_law_needed(scenario)
 
 
 def energy_needs(scenario: Scenario) -> str:
-    """A glide path, and a microburst on it."""
-    has = isinstance(scenario.route, PatternTable) and "burst" in scenario.wind.events
-    return "" if has else "a landing pattern and a [wind.events.burst]"
+    """A glide path, a microburst on it, and engines."""
+    if not isinstance(scenario.route, PatternTable) or "burst" not in scenario.wind.events:
+        return "a landing pattern and a [wind.events.burst]"
+    return _aircraft_needed(scenario)
 
 
 def gain_needs(scenario: Scenario) -> str:
-    """Inner loops."""
-    return "a JSBSim aircraft" if scenario.aircraft.model == "point_mass" else ""
+    """The route law over inner loops."""
+    return _route_law_needed(scenario) or _aircraft_needed(scenario)
+
+
+def _aircraft_needed(scenario: Scenario) -> str:
+    return "a JSBSim aircraft, not the point mass" if scenario.aircraft.model == "point_mass" else ""
+
+
+def _route_law_needed(scenario: Scenario) -> str:
+    """Which inputs a law has is the same whatever it is designed for, so that no aircraft has to be looked at."""
+    case = DesignCase(scenario.autopilot.bank_limit, 2.0, 70.0, k1=2e-3, k2=3e-2, cross_track_limit=500.0)
+    try:
+        law = catalogue.load("modes", scenario.mode).designed(scenario.law, case)
+    except ValueError:
+        return ""  # what is wrong with its own numbers is told when it is designed
+    if LateralNavigation.of(law) is not None:
+        return ""
+    return f"a law of the cross-track and its rate, such as 'lateral_navigation', not '{scenario.mode}'"
 
 
 def energy_border(law: Any, scenario: Scenario, places: np.ndarray) -> np.ndarray:
@@ -95,7 +117,10 @@ def energy_border(law: Any, scenario: Scenario, places: np.ndarray) -> np.ndarra
     prepared = prepare(scenario)
     landing = prepared.autopilot.landing
     assert landing is not None
-    reserve = apart(scenario, TIME_LIMIT, steepest_climb, prepared) + math.sin(scenario.runway.glide_path)
+    try:
+        reserve = apart(scenario, TIME_LIMIT, steepest_climb, prepared) + math.sin(scenario.runway.glide_path)
+    except TrimError:
+        return np.zeros(len(places))  # it cannot hold its glide path in still air
     table = override(scenario.tables["wind"]["events"]["burst"], "peak_mps", 1.0)
     cls = type(scenario.wind.events["burst"])
 

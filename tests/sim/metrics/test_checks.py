@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+import sim
 from sim.metrics.checks import evaluate_checks, unit_of, unknown_names
 from sim.metrics.flight import flight_metrics, summarise
 from sim.scenario.tables import Check, Runway
@@ -114,6 +115,16 @@ def test_unknown_metrics_and_phases_get_suggestions():
     ]
     assert "did you mean 'bank_deg'?" in told[0]
     assert "did you mean 'glide'?" in told[1]
+
+
+@pytest.mark.parametrize("wind", [{"sped_mps": 3.0}, {"speed_mps": 300.0}], ids=["a key", "a value"])
+def test_unknown_names_are_told_among_all_other_faults_of_a_file(wind):
+    with pytest.raises(sim.ScenarioError) as caught:
+        sim.read({"name": "bad", "wind": wind, "checks": [{"metric": "bank_dge", "max": 1.0}]})
+    faults = str(caught.value).splitlines()
+    assert len(faults) == 2
+    assert any(fault.startswith("scenario: [[checks]] entry 0 metric: no metric 'bank_dge'") for fault in faults)
+    assert any(fault.startswith("scenario: [wind] ") for fault in faults)
 
 
 @pytest.mark.parametrize("checks", [None, 3, "bank", [1], [[]], [{"metric": 4, "during": 5}], [{"during": [6]}], [{}]])

@@ -11,7 +11,7 @@ from sim.errors import ScenarioError
 from sim.scenario import catalogue
 from sim.scenario.reading import read
 from sim.studies import study
-from sim.studies.theory import border
+from sim.studies.theory import THEORIES, border
 
 POINT_MASS = {"aircraft": {"model": "point_mass"}}
 WIND, LIMIT = "wind.speed_mps", "autopilot.law.cross_track_limit_m"
@@ -62,12 +62,42 @@ def test_flights_on_both_sides_of_the_border_end_as_theory_says(tmp_path):
     assert json.loads((tmp_path / "metrics.json").read_text())["rows"] == json.loads(json.dumps(metrics["rows"]))
 
 
-def test_a_theory_of_legs_is_refused_for_a_pattern_before_anything_is_flown():
-    axes = {"axes": {WIND: [0.0, 5.0], LIMIT: [300.0, 600.0]}, "theory": "orbit"}
-    on_a_pattern = {"name": "p", "aircraft": {"model": "point_mass"}, "route": {"kind": "pattern"}, "study": axes}
-    with pytest.raises(ScenarioError, match='theory "orbit" needs a route of legs') as caught:
-        study.plan(read(on_a_pattern))
-    assert "\n" not in str(caught.value)
+BURST = {"kind": "microburst", "past_threshold_m": -1000.0, "peak_mps": 10.0}
+LINE = {"kind": "legs", "legs": [{"from_m": [0, 0], "to_m": [20000, 0], "speed_mps": 72, "height_m": 600}]}
+STORM = {"wind": {"events": {"burst": BURST}}}
+AXES = {
+    "orbit": {WIND: [0.0, 5.0], LIMIT: [300.0, 600.0]},
+    "energy": {"wind.events.burst.past_threshold_m": [-1000.0], "wind.events.burst.peak_mps": [5.0, 10.0]},
+    "gain": {"autopilot.frequency_share": [0.2], "autopilot.bank_limit_deg": [15.0, 25.0]},
+}
+
+
+@pytest.mark.parametrize(
+    ("theory", "tables", "said"),
+    [
+        ("orbit", {"route": {"kind": "pattern"}}, 'a route of legs, [route] kind = "legs"'),
+        ("energy", {"route": LINE, **STORM}, "a landing pattern and a [wind.events.burst]"),
+        ("energy", STORM, "a JSBSim aircraft, not the point mass"),
+        ("gain", {"route": LINE}, "a JSBSim aircraft, not the point mass"),
+    ],
+)
+def test_a_theory_that_does_not_apply_is_one_sentence_before_anything_flies(theory, tables, said):
+    scenario = read({"name": "other", **POINT_MASS, **tables, "study": {"axes": AXES[theory], "theory": theory}})
+    with pytest.raises(ScenarioError) as caught:
+        study.plan(scenario)
+    assert str(caught.value) == f'other: [study] theory "{theory}" needs {said}'
+
+
+@pytest.mark.parametrize("theory", ["orbit", "gain"])
+def test_a_theory_of_the_route_law_is_refused_to_any_other(theory):
+    tables = {"name": "other", "route": LINE, "autopilot": {"kind": "radio_beacon"}}
+    said = "a law of the cross-track and its rate, such as 'lateral_navigation', not 'radio_beacon'"
+    assert THEORIES[theory].needs(read(tables)) == said
+    assert "law" not in THEORIES[theory].needs(read({**tables, "autopilot": {}}))
+
+
+def test_the_theory_of_energy_needs_its_burst():
+    assert THEORIES["energy"].needs(read({"name": "calm"})) == "a landing pattern and a [wind.events.burst]"
 
 
 def test_a_theory_about_other_axes_is_refused():
