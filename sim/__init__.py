@@ -9,7 +9,7 @@ Everything on this page is imported as ``sim.NAME``; the module behind it is loa
 
 Verbs, in the order of a run
 ----------------------------
-- `read` - a file, a bundled name or a dict of tables -> `Scenario` (sim.scenario.reading)
+- `read` - a file, a bundled name or a dict of tables -> `Scenario` (sim.experiment)
 - `prepare` - Scenario -> `Prepared`: route, law, gains and trim of one aircraft (sim.flight.preparation)
 - `fly` - Prepared -> `Flight`: the closed loop of aircraft and autopilot (sim.experiment)
 - `observe` - Flight and sensors -> a `SensorRecord` for each sensor (sim.observation.record)

@@ -95,7 +95,7 @@ def run(
     refuse_too_much(scenario)
     timing: dict[str, float] = {}
     prepared = prepare(scenario)
-    check(prepared)
+    check(prepared, trackers)
     _lap(timing, "prepare_s", started)
 
     lap = time.perf_counter()

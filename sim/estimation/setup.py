@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import typing
+from collections.abc import Iterable
 from typing import Annotated, Any
 
 from sim.errors import ScenarioError
@@ -18,6 +19,22 @@ from tracking.measurement import DebiasedPolar, LinearMeasurement, Stacked
 
 def reads_places(tracker: Any) -> bool:
     return dataclasses.is_dataclass(tracker) and "measurement" in _given(type(tracker))
+
+
+def listened(prepared: Prepared, name: str, tracker: Any, sensors: Iterable[str]) -> tuple[str, ...]:
+    """The sensors that a caller's tracker listens to: all, or those that give a place where it reads places.
+
+    Raises ``ScenarioError`` where there is none.
+    """
+    places = reads_places(tracker)
+    found = tuple(one for one in sensors if not places or gives_place(prepared.scenario.sensors[one]))
+    if not found:
+        wanted = "no sensor that gives a position" if places else "no sensors"
+        raise ScenarioError(
+            f"{prepared.scenario.name}: tracker '{name}' has nothing to listen to: the scenario has {wanted}; "
+            'add a table [sensors.NAME], such as kind = "surveillance_radar"'
+        )
+    return found
 
 
 def adopt(prepared: Prepared, tracker: Any, names: tuple[str, ...]) -> Any:
@@ -117,8 +134,13 @@ def gives_place(sensor: Any) -> bool:
     return sensor.channels == ("north", "east") or sensor.channels[:2] == ("range", "azimuth")
 
 
-def check(prepared: Prepared) -> None:
-    """Build every tracker once, so that what cannot be tracked is told before anything flies."""
+def check(prepared: Prepared, own: dict[str, Any] | None = None) -> None:
+    """Build every tracker once, so that what cannot be tracked is told before anything flies.
+
+    ``own`` are trackers of the caller by name.
+    """
+    for name, tracker in (own or {}).items():
+        adopt(prepared, tracker, listened(prepared, name, tracker, prepared.scenario.sensors))
     choices = prepared.scenario.trackers
     built = {name: build(prepared, name, choice)[0] for name, choice in choices.items()}
     for name, choice in choices.items():

@@ -11,7 +11,7 @@ from sim.errors import ScenarioError
 from sim.estimation import prior as components
 from sim.estimation.batching import alike, apart, as_one, repeated
 from sim.estimation.look_ahead import LookAhead
-from sim.estimation.setup import adopt, build, chart_height, gives_place, reads_places
+from sim.estimation.setup import adopt, build, chart_height, listened
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics import conformance
@@ -64,10 +64,7 @@ def track(
     """
     figures: dict[str, Any] = {}
     choices = {name: (choice.kind, choice.sensors, choice) for name, choice in prepared.scenario.trackers.items()}
-    places = tuple(name for name in records if gives_place(prepared.scenario.sensors[name]))
-    choices |= {
-        name: ("own", places if reads_places(tracker) else tuple(records), None) for name, tracker in own.items()
-    }
+    choices |= {name: ("own", listened(prepared, name, tracker, records), None) for name, tracker in own.items()}
     heard = {  # what arrives after the flight comes too late
         sensors: _between(measurements(records, sensors), -math.inf, float(flight.time[-1]))
         for sensors in dict.fromkeys(sensors for _, sensors, _ in choices.values())

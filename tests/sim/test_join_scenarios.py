@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -342,3 +343,25 @@ def test_a_track_that_is_handed_over_begins_where_the_other_was():
 def test_a_handover_that_cannot_be_is_refused(trackers, said):
     with pytest.raises(ScenarioError, match=said):
         check(prepare(read({**LINE, "sensors": WATCHED, "trackers": trackers})))
+
+
+@dataclass(frozen=True)
+class OfPlaces:
+    """It reads positions as this scenario's radars give them."""
+
+    measurement: Annotated[Any, "given"] = None
+    channels = ("north", "north_rate", "east", "east_rate")
+
+
+def test_trackers_of_the_caller_without_a_sensor_are_answered_before_anything_flies(monkeypatch):
+    line = {**LINE, **POINT_MASS}
+    monkeypatch.setattr("sim.experiment.fly", lambda *given: pytest.fail("it flew"))
+    with pytest.raises(ScenarioError) as caught:
+        sim.run({**line, "sensors": {}}, trackers={"mine": Diverging(20.0, 0.0)})
+    assert "tracker 'mine' has nothing to listen to: the scenario has no sensors; add a table" in str(caught.value)
+    height = {"altimeter": {"kind": "radio_altimeter"}}
+    with pytest.raises(ScenarioError, match="the scenario has no sensor that gives a position"):
+        sim.run({**line, "sensors": height}, trackers={"mine": OfPlaces()})
+    false = {"radar": {"kind": "precision_radar", "clutter": 1.0}}
+    with pytest.raises(ScenarioError, match="a tracker of the caller cannot listen to 'radar'"):
+        sim.run({**line, "sensors": false}, trackers={"mine": Diverging(20.0, 0.0)})
