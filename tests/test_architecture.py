@@ -21,6 +21,28 @@ OURS = ("aircraft", "autopilot", "tracking", "sim")
 # package -> what of ours it may import besides itself; "sim" may import all
 MAY_IMPORT = {"aircraft": (), "tracking": (), "autopilot": ("aircraft.state", "aircraft.units")}
 
+# the rooms of sim in reading order: each may import those before it; what stands in one line is one room
+ROOMS = (
+    ("errors", "randomness", "files", "versions"),  # the ground
+    ("scenario",),
+    ("workers",),
+    ("interchange",),
+    ("flight",),
+    ("observation",),
+    ("metrics",),
+    ("estimation",),
+    ("reporting",),
+    ("result",),
+    ("experiment",),
+    ("studies",),
+    ("claims",),
+    ("pytest_plugin",),
+    ("cli", "__main__"),
+)
+PAGE_READERS = ("sim.versions", "sim.pytest_plugin")  # they alone look at ``sim`` itself, from where all can be seen
+MOST_FILES, MOST_FILES_AT_THE_ROOT = 12, 10
+CATALOGUES = ("scenario/bundled", "observation/sensors", "flight/truths")  # folders that grow by a file for each kind
+
 # outside package -> where it may be imported
 CONFINED = {
     "jsbsim": ("aircraft/",),
@@ -103,6 +125,114 @@ def test_packages_depend_in_one_direction():
         and not any(f"{module}.".startswith(f"{allowed}.") for allowed in MAY_IMPORT[path.split("/")[0]])
     ]
     assert not wrong
+
+
+def module_of(path: str) -> str:
+    """``sim.flight`` of ``sim/flight/__init__.py``."""
+    return path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+
+
+def own_imports(tree: ast.Module, modules: frozenset[str], *, inside_functions: bool) -> set[str]:
+    """Our modules that a module imports when it is imported itself, or when its functions are called.
+
+    What only a type checker or a program that is started reads is neither.
+    """
+    found: set[str] = set()
+
+    def look(node: ast.AST, within: bool) -> None:
+        if isinstance(node, ast.If) and ast.unparse(node.test) in ("TYPE_CHECKING", "__name__ == '__main__'"):
+            return
+        if isinstance(node, ast.Import) and within is inside_functions:
+            found.update(modules & {alias.name for alias in node.names})
+        if isinstance(node, ast.ImportFrom) and within is inside_functions:
+            named = {f"{node.module}.{alias.name}" for alias in node.names}
+            found.update(modules & (named if named <= modules else {node.module or "", *named}))
+        for child in ast.iter_child_nodes(node):
+            look(child, within or isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda))
+
+    look(tree, False)
+    return found
+
+
+@cache
+def arrows(inside_functions: bool) -> dict[str, set[str]]:
+    """Module of ours -> those that it imports, at once or when its functions are called."""
+    modules = frozenset(module_of(path) for path, _ in sources())
+    return {module_of(path): own_imports(tree, modules, inside_functions=inside_functions) for path, tree in sources()}
+
+
+def circle(graph: dict[str, set[str]]) -> list[str]:
+    """Modules that import each other in a circle, by name; empty where there is none."""
+    done: set[str] = set()
+
+    def follow(module: str, chain: list[str]) -> list[str]:
+        if module in chain:
+            return [*chain[chain.index(module) :], module]
+        if module in done:
+            return []
+        for following in sorted(graph[module]):
+            if found := follow(following, [*chain, module]):
+                return found
+        done.add(module)
+        return []
+
+    return next((found for module in sorted(graph) if (found := follow(module, []))), [])
+
+
+def room(module: str) -> int | None:
+    """Place of a module's room in the order; None for ``sim`` itself, whose page names every room."""
+    name = module.split(".")[1] if "." in module else None
+    return next((place for place, names in enumerate(ROOMS) if name in names), None)
+
+
+def test_every_module_of_sim_lies_in_a_room():
+    assert [m for m in arrows(False) if m.startswith("sim.") and room(m) is None] == []
+
+
+@pytest.mark.parametrize("inside_functions", [False, True], ids=["at once", "when called"])
+def test_rooms_import_only_the_rooms_before_them(inside_functions):
+    wrong = [
+        f"{module} imports {other}"
+        for module, others in arrows(inside_functions).items()
+        for other in others
+        if module.startswith("sim.") and other.split(".")[0] == "sim"
+        if (room(other) is None and module not in PAGE_READERS) or (room(other) or 0) > room(module)
+    ]
+    assert not wrong
+
+
+def test_nothing_is_imported_in_a_circle():
+    assert circle(arrows(False)) == []
+
+
+def test_folders_can_be_taken_in_at_a_glance():
+    wrong = {}
+    for folder in [ROOT / "sim", *(path for path in (ROOT / "sim").rglob("*") if path.is_dir())]:
+        place = folder.relative_to(ROOT / "sim").as_posix()
+        count = sum(path.is_file() for path in folder.iterdir())
+        most = MOST_FILES_AT_THE_ROOT if place == "." else MOST_FILES
+        if folder.name != "__pycache__" and not place.startswith(CATALOGUES) and count > most:
+            wrong[place] = count
+    assert not wrong
+
+
+def test_every_module_can_be_imported_and_none_hides_a_verb():
+    """A module ``sim.run`` would take the place of ``sim.run()`` as soon as anything imported it."""
+    modules = sorted(module for module in arrows(False) if not module.endswith("__main__"))
+    code = f"""
+import importlib, types, sim
+verbs = {{name: getattr(sim, name) for name in sim.__all__}}
+failed = []
+for module in {modules!r}:
+    try:
+        importlib.import_module(module)
+    except Exception as error:
+        failed.append(f"{{module}}: {{error!r}}")
+hidden = [name for name in sim.__all__ if getattr(sim, name) is not verbs[name]]
+print(failed + hidden + [name for name, verb in verbs.items() if isinstance(verb, types.ModuleType)])
+"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=120)
+    assert done.stdout.strip() == "[]", done.stdout + done.stderr[-500:]
 
 
 def test_outside_packages_stay_where_they_belong():
@@ -230,5 +360,14 @@ def test_the_walls_can_be_felt():
     """What these tests look for is found where it is: a broken reader would let everything pass."""
     tree = ast.parse("import jsbsim\nfrom sim.flight.record import Flight\ndef f(speed_kt): return np.random.normal()")
     assert {"jsbsim", "sim.flight.record", "sim.flight.record.Flight"} == set(imports(tree))
+    mixed = ast.parse(
+        "import a\ndef f():\n from b import c, x\nclass K:\n from b import c\nif TYPE_CHECKING:\n import d"
+    )
+    ours = frozenset(("a", "b", "b.c", "d"))
+    assert own_imports(mixed, ours, inside_functions=False) == {"a", "b.c"}
+    assert own_imports(mixed, ours, inside_functions=True) == {"b", "b.c"}
+    assert circle({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == ["b", "c", "b"]
+    assert circle({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == []
+    assert room("sim.scenario.reading") < room("sim.metrics.table") < room("sim.cli.commands")
     assert "speed_kt" in set(names(tree))
     assert [dotted(n.func) for n in ast.walk(tree) if isinstance(n, ast.Call)] == ["np.random.normal"]
