@@ -245,9 +245,10 @@ def explain(scenario: Scenario = DEFAULT, sets: Sets = None) -> None:
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of a scenario file."""
+    from sim.metrics.checks import with_examples
     from sim.scenario.schema import schema as made
 
-    typer.echo(json.dumps(made(), indent=1))
+    typer.echo(json.dumps(with_examples(made()), indent=1))
 
 
 @app.command()

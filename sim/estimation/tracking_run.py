@@ -17,6 +17,7 @@ from sim.flight.record import Flight
 from sim.metrics import conformance
 from sim.metrics.tracker import tracker_metrics
 from sim.observation.record import SensorRecord, measurements
+from sim.scenario.model import TrackerChoice
 from sim.workers.helper_process import ALONE, SecondProcess
 from tracking.conformance import CONFORMANCE
 from tracking.gaussian import Gaussian, Mixture, merge
@@ -63,7 +64,9 @@ def track(
     route; never the active leg, the phase or the true motion. A second process takes a part of the scenario's own.
     """
     figures: dict[str, Any] = {}
-    choices = {name: (choice.kind, choice.sensors, choice) for name, choice in prepared.scenario.trackers.items()}
+    choices: dict[str, tuple[str, tuple[str, ...], TrackerChoice | None]] = {
+        name: (choice.kind, choice.sensors, choice) for name, choice in prepared.scenario.trackers.items()
+    }
     choices |= {name: ("own", listened(prepared, name, tracker, records), None) for name, tracker in own.items()}
     heard = {  # what arrives after the flight comes too late
         sensors: _between(measurements(records, sensors), -math.inf, float(flight.time[-1]))

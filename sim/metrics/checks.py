@@ -49,6 +49,19 @@ def unknown_names(tables: dict[str, Any]) -> list[str]:
     return faults
 
 
+def with_examples(schema: dict[str, Any]) -> dict[str, Any]:
+    """The JSON Schema of a scenario file with the names that checks accept as examples, which editors offer."""
+    figures = table.names()
+    offered = {"Check": {"metric": (*signals.names(), *figures), "during": (*EVERYWHERE, *PHASES)}}
+    offered |= {"StudyCheck": {"metric": figures}}
+    parts = dict(schema["$defs"])
+    for part, keys in offered.items():
+        old = parts[part]["properties"]
+        more = {key: {**old[key], "examples": list(examples)} for key, examples in keys.items()}
+        parts[part] = {**parts[part], "properties": {**old, **more}}
+    return {**schema, "$defs": parts}
+
+
 def _unknown(entry: dict[str, Any], metrics: tuple[str, ...]) -> list[str]:
     """What one check names that there is not."""
     faults = []

@@ -18,11 +18,12 @@ from aircraft.units import SUFFIXES
 from autopilot.route import Leg, Route
 from sim.cli.export import export
 from sim.metrics import signals, table
-from sim.metrics.checks import evaluate_checks, unknown_names
+from sim.metrics.checks import evaluate_checks, unknown_names, with_examples
 from sim.metrics.figures import Context, Navigation
 from sim.metrics.flight import figure, flight_metrics, navigated_figures, summarise
 from sim.reporting.text.header import first_screen
 from sim.reporting.text.rows import check_name, check_row, scalar_rows, spread_rows
+from sim.scenario.schema import schema
 from sim.scenario.tables import Check, Runway
 from sim.studies import study as studies
 
@@ -126,6 +127,8 @@ def test_one_row_more_is_in_run_checks_study_report_and_export(monkeypatch, tmp_
         sim.read({**PATTERN, "checks": [{"metric": row.name, "min": 1.0}]})
     monkeypatch.setattr(table, "METRICS", (*table.METRICS, row._replace(headline=True)))
 
+    parts = with_examples(schema())["$defs"]
+    assert all(row.name in parts[part]["properties"]["metric"]["examples"] for part in ("Check", "StudyCheck"))
     result = sim.run({**PATTERN, "checks": [{"metric": row.name, "min": 1.0}]}, flights=2)
     value = result.metrics["flight"][row.name]
     assert 1.0 < value < result.metrics["flight"]["duration_s"]
