@@ -15,7 +15,7 @@ from sim.scenario.tables import Check, Runway
 
 EVERYWHERE = ("all", "gate")  # what ``during`` accepts besides the names of phases
 OF_TRACKERS = "trackers."  # figures whose names depend on the scenario
-PLAIN = ("gain",)  # figures of a tracker's channel that are ratios
+RATIOS = ("gain",)  # figures of a tracker's channel that are ratios, and are called by their name
 
 
 def evaluate_checks(
@@ -80,7 +80,9 @@ def unit_of(metric: str) -> str:
     if row is not None:
         return row.unit
     *channel, own = metric.split(".")[2:] or [""]
-    for part in () if own in PLAIN else (own, *reversed(channel)):
+    if own in RATIOS:
+        return own
+    for part in (own, *reversed(channel)):
         endings = [suffix for suffix in SUFFIXES if part.endswith(f"_{suffix}")]
         if endings:
             return max(endings, key=len)

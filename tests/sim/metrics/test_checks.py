@@ -141,7 +141,7 @@ def test_names_are_looked_for_in_whatever_a_file_says(checks):
         ("cross_track_at_30_m_m", "m"),
         ("touchdown.sink_mps", "mps"),
         ("trackers.mls_s.overall.mls.elevation_deg.rmse", "deg"),
-        ("trackers.mine.look_ahead.20_s.position_m.gain", ""),
+        ("trackers.mine.look_ahead.20_s.position_m.gain", "gain"),
         ("trackers.mine.lost_fraction", ""),
         ("trackers.mine.lost_time_s", "s"),
         ("trackers.mine_m", ""),
