@@ -45,7 +45,7 @@ Data
     - ``route`` that was to be flown; ``leg`` (k,) - index of the active one; ``deviation`` from it, of arrays (k,)
     - ``phase`` (k,) - index into ``phases``, their names; ``wind`` (3, k) m/s north, east, up
     - ``events`` - (time s, name, detail); ``outcome`` - landed, go_around, completed, ground, orbit, diverged, envelope
-      or time_limit; ``reason``, a sentence
+      or time_limit; ``reason``, a sentence; ``gate_height`` m of the stabilised-approach gate, None = no landing
 - `AircraftState` - one instant of motion, or a record of arrays (aircraft.state)
     - ``time`` s; ``north``, ``east``, ``height`` m; ``velocity_north``, ``velocity_east``, ``velocity_up`` m/s
     - ``bank``, ``pitch``, ``heading`` rad; ``roll_rate``, ``pitch_rate``, ``yaw_rate`` rad/s, body axes
