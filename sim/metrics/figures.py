@@ -137,9 +137,9 @@ class Touchdown(NamedTuple):
     sink: float  # m/s
     drift: float  # m/s to the right
     crab: float  # rad, heading less the runway's
-    track_crab: float  # rad, heading less the ground track's
     bank: float  # rad
     airspeed: float  # m/s
+    before: int  # index of that instant
 
 
 def touchdown(flight: Flight, runway: Runway) -> Touchdown | None:
@@ -158,9 +158,9 @@ def touchdown(flight: Flight, runway: Runway) -> Touchdown | None:
         sink=-s.velocity_up[before],
         drift=s.velocity_east[before] * along[0] - s.velocity_north[before] * along[1],
         crab=np.remainder(s.heading[before] - runway.heading + np.pi, 2 * np.pi) - np.pi,
-        track_crab=crab(flight)[before],
         bank=s.bank[before],
         airspeed=s.airspeed[before],
+        before=int(before),
     )
 
 
@@ -172,6 +172,12 @@ def at_touchdown(value: Callable[[Touchdown], float]) -> Callable[[Flight, Conte
         return None if down is None else float(value(down))
 
     return of
+
+
+def touchdown_track_crab(flight: Flight, context: Context) -> float | None:
+    """Heading less the ground track's at the touchdown, deg."""
+    down = touchdown(flight, context.runway)
+    return None if down is None else float(np.degrees(crab(flight)[down.before]))
 
 
 def of_navigation(value: Callable[[Navigation], float | None]) -> Callable[[Flight, Context], float | None]:

@@ -30,6 +30,7 @@ from sim.metrics.figures import (
     rates_on_bank,
     settling,
     time_saturated,
+    touchdown_track_crab,
 )
 from sim.metrics.signals import bank_rate
 
@@ -139,7 +140,7 @@ METRICS: tuple[Metric, ...] = (
         "touchdown.track_crab_deg",
         "deg",
         "heading less track at touchdown",
-        at_touchdown(lambda down: np.degrees(down.track_crab)),
+        touchdown_track_crab,
         2,
     ),
     Metric("touchdown.bank_deg", "deg", "bank at touchdown", at_touchdown(lambda down: np.degrees(down.bank)), 2),
