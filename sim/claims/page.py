@@ -19,7 +19,7 @@ from sim.files import staged, write_json
 from sim.reporting.figures import style
 from sim.reporting.text.labels import ABSENT
 from sim.reporting.tracker_figures.tracking_errors import logarithmic
-from sim.workers.helper_process import ALONE, SecondProcess
+from sim.workers.sharing import current
 
 HEIGHT = 2.4  # in
 LOOKS: dict[str, dict[str, Any]] = {
@@ -30,10 +30,10 @@ LOOKS: dict[str, dict[str, Any]] = {
 }
 
 
-def write(folder: Path, rows: Sequence[Row], seed: int, second: SecondProcess = ALONE) -> None:
+def write(folder: Path, rows: Sequence[Row], seed: int) -> None:
     """claims.json, claims.md, claims.html and one page for each paper, all or none."""
     papers = list(dict.fromkeys(row.paper for row in rows))
-    charts = dict(zip(papers, second.shared(charts_of, [(paper, seed) for paper in papers]), strict=True))
+    charts = dict(zip(papers, current().in_order(charts_of, [(paper, seed) for paper in papers]), strict=True))
     with staged(folder) as place:
         write_json(place / "claims.json", [row.plain() for row in rows])
         (place / "claims.md").write_text(summary(rows) + "\n", encoding="utf-8")

@@ -15,7 +15,7 @@ from tracking.gaussian import Gaussian
 from tracking.track import Measurements, Track
 
 
-def alike(one: Any, other: Any) -> bool:
+def can_batch(one: Any, other: Any) -> bool:
     """Whether two trackers can run as one: of one class, told laws of one class, all else equal.
 
     The bank limit must be equal too, because it plans the turns of the route.
@@ -31,8 +31,8 @@ def alike(one: Any, other: Any) -> bool:
     )
 
 
-def as_one(trackers: list[Any], runs: int) -> Any:
-    """One tracker for ``runs`` runs of each of several that are `alike`, those of the first before the others'."""
+def stack_laws(trackers: list[Any], runs: int) -> Any:
+    """One tracker for ``runs`` runs of each of several that are `can_batch`, those of the first before the others'."""
     if all(tracker is trackers[0] for tracker in trackers):
         return trackers[0]
     laws = [tracker.law for tracker in trackers]
@@ -44,7 +44,7 @@ def as_one(trackers: list[Any], runs: int) -> Any:
     return dataclasses.replace(trackers[0], law=dataclasses.replace(laws[0], **told))
 
 
-def repeated(record: Measurements, prior: Gaussian, times: int) -> tuple[Measurements, Gaussian]:
+def repeat_runs(record: Measurements, prior: Gaussian, times: int) -> tuple[Measurements, Gaussian]:
     """The measurements and the prior once for each twin."""
     if times == 1:
         return record, prior
@@ -60,7 +60,7 @@ def repeated(record: Measurements, prior: Gaussian, times: int) -> tuple[Measure
     )
 
 
-def apart(track: Track, twins: int) -> list[Track]:
+def split_track(track: Track, twins: int) -> list[Track]:
     """The track of each twin."""
     runs = track.mean.shape[-1] // twins
     tracks = []

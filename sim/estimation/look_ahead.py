@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.estimation.batching import as_one
+from sim.estimation.batching import stack_laws
 from sim.flight.interpolation import truth_at
 from sim.flight.record import Flight
 from sim.metrics import comparison
@@ -47,7 +47,7 @@ class LookAhead:
         """RMSE by span and channel of each twin, as in metrics.json."""
         found: list[dict[float, dict[str, list[np.ndarray]]]] = [{} for _ in self.trackers]
         for times, state in self._groups():
-            tracker, done = as_one(self.trackers * len(times), self.draws), 0.0
+            tracker, done = stack_laws(self.trackers * len(times), self.draws), 0.0
             for span in SPANS:
                 within = times + span <= self.flight.time[-1]
                 if not within.any():

@@ -30,9 +30,9 @@ from sim.scenario import catalogue
 from sim.scenario.messages import told
 from sim.scenario.model import Scenario
 from sim.scenario.tables import PatternTable
-from sim.workers.isolation import apart
+from sim.workers.isolation import run_isolated
 
-TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
+MODEL_TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
 MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
 REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
 REFERENCE_ADDITION = 2.5  # m/s over the reference speed, at least
@@ -127,7 +127,7 @@ class Prepared:
 
 def prepare(scenario: Scenario) -> Prepared:
     """Route, law, aircraft and limits of a scenario; raises ``ScenarioError`` with one sentence for each fault."""
-    return apart(scenario, TIME_LIMIT, _prepared, scenario)
+    return run_isolated(scenario, MODEL_TIME_LIMIT, _prepared, scenario)
 
 
 def _prepared(scenario: Scenario) -> Prepared:

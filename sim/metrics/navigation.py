@@ -30,7 +30,9 @@ BESIDE = (
 SWINGING = 0.1  # of the time at the bank limit, at least, is a cycle and no correction
 
 
-def navigated(prepared: Prepared, flight: Flight, track: Track | None, judged: dict[str, Any]) -> dict[str, Any] | None:
+def navigation_quality(
+    prepared: Prepared, flight: Flight, track: Track | None, judged: dict[str, Any]
+) -> dict[str, Any] | None:
     """As in metrics.json; None for a flight that was flown on the truth.
 
     ``judged`` are the tracker's figures. The lag is that of the estimated rate across the leg behind the true one, by

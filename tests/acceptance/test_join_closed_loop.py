@@ -18,7 +18,7 @@ from sim.estimation.tracking_run import track
 from sim.experiment import fly
 from sim.flight.preparation import prepare
 from sim.metrics.flight import flight_metrics
-from sim.metrics.navigation import navigated
+from sim.metrics.navigation import navigation_quality
 from sim.observation.record import observe
 from sim.scenario.reading import read
 from tests.tracking.law_truth import CROSS_TRACK, LINE, NOMINAL, noise_factor
@@ -51,7 +51,7 @@ def approaches(name, navigation, count, *changes):
             records = observe(one, scenario.sensors, scenario.seed, number, 1)
             tracked, judged = track(prepared, one, records, {}, number)
             anees.append(judged[navigation]["anees"])
-            figures[-1]["navigated"] = navigated(prepared, one, tracked[navigation].track, judged[navigation])
+            figures[-1]["navigated"] = navigation_quality(prepared, one, tracked[navigation].track, judged[navigation])
     return scenario, flown, figures, anees
 
 
