@@ -139,7 +139,8 @@ def evaluate(prepared: Prepared, flight: Flight, number: int = 0, own: dict[str,
     number : of the flight; it addresses the noise
     own : further trackers of the caller, by name
     """
-    scenario, timing = prepared.scenario, {}
+    scenario = prepared.scenario
+    timing: dict[str, float] = {}
     with timed(timing, "observe_s"):
         records = observe(flight, scenario.sensors, scenario.seed, number, scenario.draws)
     with timed(timing, "track_s"):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from aircraft.airframe import load
 from aircraft.linearise import linearise
 from aircraft.modes import LEVEL_SOURCE, flying_qualities, modes
 from aircraft.trim import TrimError, trim
@@ -70,8 +69,7 @@ def _route(prepared: Prepared) -> str:
 
 
 def _aircraft(prepared: Prepared) -> str:
-    choice = prepared.scenario.aircraft
-    airframe = load(choice.model, choice.mass, choice.centre_of_gravity_mac, choice.factors)
+    airframe = prepared.airframe.load()
     landing, legs = prepared.autopilot.landing, prepared.route.legs
     conditions = [(leg.speed, prepared.autopilot.flaps, 0.0, 0.0, leg.height) for leg in legs]
     if landing is not None:

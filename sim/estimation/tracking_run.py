@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +19,6 @@ from sim.metrics import conformance
 from sim.metrics.error_curves import ErrorCurves, error_curves
 from sim.metrics.tracker import TrackerErrors, plot_errors, tracker_errors, tracker_metrics
 from sim.observation.record import SensorRecord, measurements
-from sim.scenario.model import TrackerChoice
 from sim.workers.sharing import current
 from tracking.conformance import CONFORMANCE
 from tracking.gaussian import Gaussian, Mixture, merge
@@ -42,7 +42,7 @@ class Watch(NamedTuple):
     prepared: Prepared
     flight: Flight
     records: dict[str, SensorRecord]
-    trackers: dict[str, Any]  # of the scenario, which hand over to each other
+    trackers: dict[str, Any]  # of the scenario, which may hand over to each other
     number: int  # of the flight
 
 
@@ -59,26 +59,21 @@ def track(
     route; never the active leg, the phase or the true motion.
     """
     figures: dict[str, Any] = {}
-    choices: dict[str, tuple[str, tuple[str, ...], TrackerChoice | None]] = {
-        name: (choice.kind, choice.sensors, choice) for name, choice in prepared.scenario.trackers.items()
-    }
-    choices |= {name: ("own", listened(prepared, name, tracker, records), None) for name, tracker in own.items()}
-    built = {name: build(prepared, name, choice) for name, choice in prepared.scenario.trackers.items()}
-    built |= {name: (adopt(prepared, tracker, choices[name][1]), None) for name, tracker in own.items()}
-    watch = Watch(prepared, flight, records, {name: built[name][0] for name in prepared.scenario.trackers}, number)
+    of_scenario = list(_of_scenario(prepared))
+    watch = Watch(prepared, flight, records, {one.name: one.tracker for one in of_scenario}, number)
+    every = {one.name: one for one in (*of_scenario, *_of_caller(prepared, records, own))}
     heard = {  # what arrives after the flight comes too late
         sensors: _between(measurements(records, sensors), -math.inf, float(flight.time[-1]))
-        for sensors in dict.fromkeys(sensors for _, sensors, _ in choices.values())
+        for sensors in dict.fromkeys(one.sensors for one in every.values())
     }
     entries: list[Entry] = []
-    for name, (kind, sensors, choice) in choices.items():
-        tracker, law_from = built[name]
-        figures[name] = {"kind": kind, "law_from": law_from, "overall": {}, "by_phase": {}, "conformance": None}
-        start = begins(prepared, name, sensors, heard[sensors], flight)
+    for one in every.values():
+        figures[one.name] = {
+            "kind": one.kind, "law_from": one.law_from, "overall": {}, "by_phase": {}, "conformance": None
+        }  # fmt: skip
+        start = begins(prepared, one.name, one.sensors, heard[one.sensors], flight)
         if start is not None:  # otherwise never in sight: n/a, not an error
-            handover = None if choice is None else choice.handover
-            entries.append(Entry(name, tracker, law_from, sensors, start, handover))
-    tracked: dict[str, Tracked] = {}
+            entries.append(Entry(*one, start))
     since = {
         (sensors, start): _between(heard[sensors], start, math.inf)
         for sensors, start in dict.fromkeys((entry.sensors, entry.start) for entry in entries)
@@ -87,22 +82,47 @@ def track(
     calls = [(watch, since[group[0].sensors, group[0].start], group) for group in groups]
     ours = [call for call in calls if call[2][0].name not in own]
     results = current().in_order(run_group, ours) + [run_group(*call) for call in calls[len(ours) :]]
+    tracked: dict[str, Tracked] = {}
     for (_, record, group), result in zip(calls, results, strict=True):
-        for entry, one in zip(group, result, strict=True):
-            tracked[entry.name] = Tracked(entry.tracker, entry.law_from, record, one.track, one.curves)
-            figures[entry.name] |= one.figures
-    return {name: tracked[name] for name in choices if name in tracked}, figures
+        for entry, outcome in zip(group, result, strict=True):
+            tracked[entry.name] = Tracked(entry.tracker, entry.law_from, record, outcome.track, outcome.curves)
+            figures[entry.name] |= outcome.figures
+    return {name: tracked[name] for name in every if name in tracked}, figures
 
 
-class Entry(NamedTuple):
-    """A tracker that has something to track."""
+class SetUp(NamedTuple):
+    """A tracker with all that it is given."""
 
     name: str
+    kind: str
     tracker: Any
     law_from: str | None
     sensors: tuple[str, ...]
-    start: float  # s
     handover: str | None
+
+
+def _of_scenario(prepared: Prepared) -> Iterator[SetUp]:
+    for name, choice in prepared.scenario.trackers.items():
+        yield SetUp(name, choice.kind, *build(prepared, name, choice), choice.sensors, choice.handover)
+
+
+def _of_caller(prepared: Prepared, records: dict[str, SensorRecord], own: dict[str, Any]) -> Iterator[SetUp]:
+    """Trackers of the caller listen to all sensors that they can read."""
+    for name, tracker in own.items():
+        sensors = listened(prepared, name, tracker, records)
+        yield SetUp(name, "own", adopt(prepared, tracker, sensors), None, sensors, None)
+
+
+class Entry(NamedTuple):
+    """A tracker that has something to track: as it was set up, and since when."""
+
+    name: str
+    kind: str
+    tracker: Any
+    law_from: str | None
+    sensors: tuple[str, ...]
+    handover: str | None
+    start: float  # s
 
 
 class Outcome(NamedTuple):
@@ -155,7 +175,7 @@ def _groups(entries: list[Entry]) -> list[list[Entry]]:
     groups: list[list[Entry]] = []
     for entry in entries:
         for group in groups:
-            same = group[0].sensors == entry.sensors and group[0][4:] == entry[4:]
+            same = group[0][4:] == entry[4:]  # sensors, handover and start
             if same and can_batch(group[0].tracker, entry.tracker):
                 group.append(entry)
                 break

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from aircraft.airframe import load
 from aircraft.errors import TrimError
 from aircraft.state import STANDARD_GRAVITY
 from aircraft.trim import trim
@@ -95,9 +94,9 @@ def steepest_climb(prepared: Prepared) -> float:
 
     Raises ``TrimError`` where the aircraft has no state at all that holds its glide path.
     """
-    choice, landing = prepared.scenario.aircraft, prepared.autopilot.landing
+    landing = prepared.autopilot.landing
     assert landing is not None
-    airframe = load(choice.model, choice.mass, choice.centre_of_gravity_mac, choice.factors)
+    airframe = prepared.airframe.load()
 
     def within(angle: float) -> bool:
         try:

@@ -12,16 +12,17 @@ from __future__ import annotations
 import atexit
 import multiprocessing
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 from sim.errors import ScenarioError
 from sim.workers.executors import MEMORY_LIMIT
 from sim.workers.helper_process import HelperProcess, Lost, is_helper
 
 KINEMATICS = "point_mass"
+T = TypeVar("T")
 
 
-def run_isolated(scenario: Any, time_limit: float, function: Callable[..., Any], *arguments: Any) -> Any:
+def run_isolated(scenario: Any, time_limit: float, function: Callable[..., T], *arguments: Any) -> T:
     """``function(*arguments)``, in a helper process where the scenario's aircraft is not one of ours.
 
     Raises what the function raises, and ``ScenarioError`` in one sentence where the helper aborts, runs out of memory
@@ -48,12 +49,13 @@ class _NoProcess(Exception):
 _waiting: list[HelperProcess] = []  # the helper between two calls; a process is state, whatever one calls it
 
 
-def _asked(time_limit: float, function: Callable[..., Any], *arguments: Any) -> Any:
+def _asked(time_limit: float, function: Callable[..., T], *arguments: Any) -> T:
     while True:
         is_fresh = not _waiting
         helper = _started() if is_fresh else _waiting.pop()
         try:
-            return helper.call(function, *arguments, time_limit=time_limit)
+            found: T = helper.call(function, *arguments, time_limit=time_limit)
+            return found
         except Lost as lost:
             if is_fresh or lost.late:
                 raise
