@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from sim.claims.plots import Plot
 from sim.claims.table import figure, interval, summary
 from sim.files import staged, write_json
 from sim.reporting.figures import style
+from sim.reporting.page import rendered
 from sim.reporting.text.labels import ABSENT
 from sim.reporting.tracker_figures.tracking_errors import logarithmic
 from sim.workers.sharing import current
@@ -53,14 +53,6 @@ def charts_of(paper: str, seed: int) -> list[style.Chart]:
 
 def page(title: str, rows: Sequence[Row], charts: dict[str, list[style.Chart]], seed: int) -> str:
     """One self-contained HTML page."""
-    import jinja2
-
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    template = environment.from_string(
-        (resources.files("sim.reporting.templates") / "claims.html").read_text(encoding="utf-8")
-    )
     counts = Counter(row.verdict for row in rows if row.verdict is not None)
     told = ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
     papers = [
@@ -68,7 +60,7 @@ def page(title: str, rows: Sequence[Row], charts: dict[str, list[style.Chart]], 
         for paper in dict.fromkeys(row.paper for row in rows)
     ]
     sentence = f"{sum(counts.values())} claims: {told}." if counts else "Measured."
-    return str(template.render(title=title, sentence=sentence, papers=papers, seed=seed))
+    return rendered("claims.html", title=title, sentence=sentence, papers=papers, seed=seed)
 
 
 def _row(row: Row) -> dict[str, Any]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from sim.flight.record import Flight
 from sim.metrics.conformance import foremost, told_in_words
 from sim.reporting.figures.flight import charts
+from sim.reporting.page import rendered, text_of
 from sim.reporting.replay import replay
 from sim.reporting.text.header import first_screen
 from sim.reporting.text.labels import number, words
@@ -66,9 +66,10 @@ def write(
     beliefs = current().later(belief_charts, scenario, flight, trackers, believing, modes, alert)
     shown = shown_trackers(scenario, tracked)
     errors = error_charts(scenario, flight, trackers, shown, records)
-    script = _file("replay.js")
+    script = text_of("replay.js")
     equations, papers, errata = sources(what_ran(scenario, law))
-    page = _template().render(
+    page = rendered(
+        "report.html",
         **first_screen(scenario, flight, metrics, shown),
         conformance=told_in_words(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
         charts=flight_charts(),
@@ -97,18 +98,3 @@ def write(
     )
     path.write_text(page, encoding="utf-8")
     return path
-
-
-def _template() -> Any:
-    import jinja2
-
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
-    return environment.from_string(_file("report.html"))
-
-
-def _file(name: str) -> str:
-    """The text of a file beside this one."""
-    return (resources.files("sim.reporting.templates") / name).read_text(encoding="utf-8")
