@@ -51,11 +51,11 @@ def measured(
     A second process takes a part of it. Rows are kept in ``folder`` until the pages are written there: an interrupted
     ledger goes on where it was stopped.
     """
-    from sim.claims import row_cache as kept
+    from sim.claims import row_cache
     from sim.claims.ledger import Row
 
-    mark = "" if folder is None else kept.stamp(seed, quick)
-    found = {} if folder is None else kept.load(folder, mark)
+    mark = "" if folder is None else row_cache.stamp(seed, quick)
+    found = {} if folder is None else row_cache.load_rows(folder, mark)
     claims = {(paper, claim.name): claim for paper in chosen(papers) for claim in claims_of(paper)}
     missing = [name for name in claims if name not in found]
     done: Any = current().as_done(_measure, [(*name, seed, quick) for name in missing])
@@ -63,7 +63,7 @@ def measured(
         name = missing[number]
         found[name] = values
         if folder is not None:
-            kept.keep(folder, mark, Row(name[0], claims[name], seed, values))
+            row_cache.add_row(folder, mark, Row(name[0], claims[name], seed, values))
     return [Row(name[0], claim, seed, found[name]) for name, claim in claims.items()]
 
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from sim.claims import plots_of
-from sim.claims import row_cache as kept
 from sim.claims.ledger import Row
 from sim.claims.plots import Plot
+from sim.claims.row_cache import FILE
 from sim.claims.table import figure, interval, summary
 from sim.files import staged, write_json
 from sim.reporting.figures import style
@@ -42,7 +42,7 @@ def write(folder: Path, rows: Sequence[Row], seed: int) -> None:
             own = [row for row in rows if row.paper == paper]
             text = page(f"Claims of {paper}", own, {paper: charts[paper]}, seed)
             (place / f"{paper}.html").write_text(text, encoding="utf-8")
-    (folder / kept.FILE).unlink(missing_ok=True)
+    (folder / FILE).unlink(missing_ok=True)
 
 
 def charts_of(paper: str, seed: int) -> list[style.Chart]:
