@@ -289,7 +289,7 @@ def _phase_of(leg: int, route: Route, table: tuple[int, ...], otherwise: int) ->
     return table[from_end] if from_end < len(table) else otherwise
 
 
-def navigated(
+def with_estimated_position(
     state: AircraftState, north: float, east: float, velocity_north: float, velocity_east: float
 ) -> AircraftState:
     """The aircraft's own state with the position and velocity over the ground that someone else believes."""

@@ -1,8 +1,8 @@
-"""A route law flown on an estimate whose cross-track rate comes late: how late it may be, and a law that stands more.
+"""A route law flown on an estimate whose cross-track rate is late: how late it may be, and a law that tolerates more.
 
 A tracker that does not know the law sees a turn only when the aircraft has moved: its position is late by little, its
 rate by seconds, and it is the rate that damps the law. With z and z' the deviation and its rate, and the rate late by
-tau, the loop opened at the bank is ``g (k1 + k2 s exp(-s tau)) / s^2``. Without a lag of the bank it stands
+tau, the loop opened at the bank is ``g (k1 + k2 s exp(-s tau)) / s^2``. Without a lag of the bank it tolerates
 ``tau = pi/2 / (wn (zeta + sqrt(zeta^2 + 1)))``: at ``w tau = pi/2`` the late rate no longer damps. Beyond, the aircraft
 swings about its line until the bank limit takes so much of the gain that the swing grows no more.
 """
@@ -19,7 +19,7 @@ from autopilot.design import LAW_DAMPING, Designed, law_of_frequency
 
 SAMPLING = 0.1  # s, of actuators and of commands that are held between records
 SLOWEST = 1e-3  # of the frequency of the law: slower ones are not looked at
-RESERVE = 2.0  # of the lag that a law is designed to stand over the lag that is expected
+RESERVE = 2.0  # of the lag that a law is designed to tolerate over the lag that is expected
 
 
 def bank_lag(designed: Designed) -> float:
@@ -27,11 +27,11 @@ def bank_lag(designed: Designed) -> float:
     return 2.0 / designed.reference_frequency + SAMPLING
 
 
-def standing_lag(k1: float, k2: float, bank_lag: float) -> float:
-    """The longest lag of the rate, s, that the law inside its limits stands when the bank itself is late by a lag.
+def tolerated_lag(k1: float, k2: float, bank_lag: float) -> float:
+    """The longest lag of the rate, s, that the law inside its limits tolerates when the bank itself is late by a lag.
 
     On the verge the open loop is -1: ``g (k1 + j w k2 exp(-j w tau)) = w^2 exp(j w bank_lag)``. Its absolute value
-    without the part of k1 holds w alone, and the phase then tells tau. A law that cycles without any lag stands 0.
+    without the part of k1 holds w alone, and the phase then tells tau. A law that cycles without any lag tolerates 0.
 
     Parameters
     ----------
@@ -52,22 +52,22 @@ def standing_lag(k1: float, k2: float, bank_lag: float) -> float:
 
 
 def softened(designed: Designed, speed: float, lag: float) -> Designed:
-    """The design with a law that is slow enough to stand twice the lag of the estimate that it is flown on.
+    """The design with a law that is slow enough to tolerate twice the lag of the estimate that it is flown on.
 
     The recipe of the law stays: its damping, its intercept, its limits; only the natural frequency comes down. A law
-    that stands the lag as it is stays as it is.
+    that tolerates the lag as it is stays as it is.
 
     Parameters
     ----------
     speed : m/s, at which the route is intercepted        lag : s, of the estimated rate
     """
     late, wanted = bank_lag(designed), RESERVE * lag
-    if standing_lag(designed.k1, designed.k2, late) >= wanted:
+    if tolerated_lag(designed.k1, designed.k2, late) >= wanted:
         return designed
 
     def reserve(frequency: float) -> float:
         k1, k2 = frequency**2 / STANDARD_GRAVITY, 2.0 * LAW_DAMPING * frequency / STANDARD_GRAVITY
-        return standing_lag(k1, k2, late) - wanted
+        return tolerated_lag(k1, k2, late) - wanted
 
     natural = math.sqrt(STANDARD_GRAVITY * designed.k1)
     frequency = float(brentq(reserve, SLOWEST * natural, natural))

@@ -71,8 +71,9 @@ Data
     - ``mean`` (k, n, draws) and ``cov`` (k, n, n, draws), SI in the runway frame or that of its sensor
     - ``white`` (k, m, draws) - residuals of unit variance; ``nis``, ``log_likelihood`` (k, draws)
     - ``model_probabilities`` (k, M, draws) of M models, or None
-- `Tracked` - a tracker's record and how it was set up (sim.estimation.tracking_run)
-    - ``track``; ``measurements`` that it was given; ``law_from`` - origin of the law it assumes, None = none known
+- `Tracked` - one tracker, its record and what that had wrong (sim.estimation.tracking_run)
+    - ``tracker``, as it was set up; ``law_from`` - origin of the law it assumes, None = none known; ``measurements``
+      that it was given; ``track``; ``curves`` - its errors over time, for figures (sim.metrics.error_curves)
 - `Result` - what a run found out (sim.result)
     - ``prepared``, ``scenario``; ``flights``, and ``flight``, the first, which sensors and trackers watch
     - ``records`` and ``tracks`` - SensorRecord and Tracked by name; ``metrics`` - as in metrics.json; ``timing`` s

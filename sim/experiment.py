@@ -6,33 +6,33 @@ import dataclasses
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from sim.estimation.navigator import navigator
-from sim.estimation.setup import build, check
-from sim.estimation.tracking_run import track
+from sim.estimation.setup import check
+from sim.estimation.tracking_run import Tracked, track
 from sim.files import claim, refuse_foreign, staged, write_json, write_npz
 from sim.flight import loop as flights
-from sim.flight.departures import noted
+from sim.flight.departures import with_departure_events
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Flight
 from sim.metrics.checks import evaluate_checks, unknown_names
 from sim.metrics.flight import flight_metrics, summarise
-from sim.metrics.navigation import navigated
+from sim.metrics.navigation import navigation_quality
 from sim.metrics.warnings import warnings
-from sim.observation.record import observe
-from sim.reporting.run_files import flight_arrays, measurement_arrays
-from sim.result import Result, _lap
+from sim.observation.record import SensorRecord, observe
+from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
+from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.budget import refuse_too_much
 from sim.scenario.model import Scenario
 from sim.scenario.toml_writer import dumps
 from sim.versions import versions
-from sim.workers.executors import TIME_LIMIT
-from sim.workers.helper_process import ALONE, SecondProcess, second_process
-from sim.workers.isolation import apart
+from sim.workers.executors import FLIGHT_TIME_LIMIT
+from sim.workers.isolation import run_isolated
+from sim.workers.sharing import helper
 
-FEW = 4  # trackers are done before a second process has got ready
+FEW = 4  # trackers are done before a helper process has got ready
 
 
 def read(source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Scenario:
@@ -47,7 +47,7 @@ def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
     """Fly one flight of a prepared scenario; ``flight`` addresses its turbulence."""
     if not isinstance(prepared, Prepared):
         prepared = prepare(prepared if isinstance(prepared, Scenario) else read(prepared))
-    return apart(prepared.scenario, TIME_LIMIT, _fly, prepared, flight)
+    return run_isolated(prepared.scenario, FLIGHT_TIME_LIMIT, _fly, prepared, flight)
 
 
 def _fly(prepared: Prepared, number: int) -> Flight:
@@ -61,7 +61,7 @@ def _fly(prepared: Prepared, number: int) -> Flight:
         navigator(prepared, number),
         prepared.gate_height,
     )
-    return noted(flight, prepared.scenario.departures)
+    return with_departure_events(flight, prepared.scenario.departures)
 
 
 def run(
@@ -73,7 +73,6 @@ def run(
     overrides: dict[str, Any] | None = None,
     trackers: dict[str, Any] | None = None,
     progress: Callable[..., Any] | None = None,
-    second: SecondProcess = ALONE,
 ) -> Result:
     """Read, fly, observe, track and judge a scenario.
 
@@ -82,58 +81,77 @@ def run(
     source : a file, a bundled name, a dict of tables or a scenario
     overrides : ``{"table.key": value}`` in the spelling of files
     trackers : further trackers by name, objects of the ``tracking.track.Tracker`` protocol
-    second : another process that takes a part of the trackers
 
     Raises ``ScenarioError`` for anything that cannot be run.
     """
-    started = time.perf_counter()
-    given = {"seed": seed, "flights": flights, "draws": draws}
-    changes = {**(overrides or {}), **{key: value for key, value in given.items() if value is not None}}
-    if isinstance(source, Scenario):
-        source = source.tables
-    scenario = read(source, changes)
-    refuse_too_much(scenario)
     timing: dict[str, float] = {}
-    prepared = prepare(scenario)
-    check(prepared, trackers)
-    _lap(timing, "prepare_s", started)
+    with timed(timing, "prepare_s"):
+        given = {"seed": seed, "flights": flights, "draws": draws}
+        changes = {**(overrides or {}), **{key: value for key, value in given.items() if value is not None}}
+        if isinstance(source, Scenario):
+            source = source.tables
+        scenario = read(source, changes)
+        refuse_too_much(scenario)
+        prepared = prepare(scenario)
+        check(prepared, trackers)
+    with timed(timing, "fly_s"):
+        numbers: Any = range(scenario.flights)
+        if progress is not None and scenario.flights > 1:
+            numbers = progress(numbers, scenario.flights, "flights")
+        flown = tuple(fly(prepared, number) for number in numbers)
 
-    lap = time.perf_counter()
-    numbers: Any = range(scenario.flights)
-    if progress is not None and scenario.flights > 1:
-        numbers = progress(numbers, scenario.flights, "flights")
-    flown = tuple(fly(prepared, number) for number in numbers)
-    _lap(timing, "fly_s", lap)
-
-    lap = time.perf_counter()
-    first = flown[0]
-    records = observe(first, scenario.sensors, scenario.seed, 0, scenario.draws)
-    _lap(timing, "observe_s", lap)
-    lap = time.perf_counter()
-    tracks, tracker_metrics = track(prepared, first, records, trackers or {}, 0, second)
-    _lap(timing, "track_s", lap)
-
-    each = [flight_metrics(one, scenario.runway, prepared.law.bank_limit) for one in flown]
-    name = scenario.autopilot.navigation
-    followed = tracks[name].track if name in tracks else None
-    each[0]["navigated"] = navigated(prepared, first, followed, tracker_metrics.get(name, {}))
-    if each[0]["navigated"] is not None:
-        each[0]["navigated"]["on_truth"] = _on_truth(prepared)
+    found = evaluate(prepared, flown[0], own=trackers)
+    if found.navigated is not None:
+        found.navigated["on_truth"] = _on_truth(prepared)
+    others = [flight_metrics(one, scenario.runway, prepared.law.bank_limit) for one in flown[1:]]
     metrics = {
         "scenario": scenario.name,
         "seed": scenario.seed,
         "flights": scenario.flights,
         "draws": scenario.draws,
         "versions": versions(),
-        "flight": each[0],
-        "flights_summary": summarise(each),
-        "trackers": tracker_metrics,
-        "warnings": [*prepared.warnings, *warnings(first, scenario.sensors, records, tracker_metrics)],
+        "flight": {**found.flight, "navigated": found.navigated},
+        "flights_summary": summarise([found.flight, *others]),
+        "trackers": found.trackers,
+        "checks": found.checks,
+        "warnings": [*prepared.warnings, *warnings(flown[0], scenario.sensors, found.records, found.trackers)],
     }
-    metrics["checks"] = evaluate_checks(
-        scenario.checks, first, scenario.runway, {**each[0], "trackers": tracker_metrics}
-    )
-    return Result(prepared, flown, records, tracks, metrics, timing)
+    return Result(prepared, flown, found.records, found.tracks, metrics, timing | found.timing)
+
+
+class Evaluation(NamedTuple):
+    """What is found out about one flight; figures as in metrics.json."""
+
+    records: dict[str, SensorRecord]
+    tracks: dict[str, Tracked]
+    flight: dict[str, Any]
+    trackers: dict[str, Any]
+    navigated: dict[str, Any] | None
+    checks: list[dict[str, Any]]
+    timing: dict[str, float]
+
+
+def evaluate(prepared: Prepared, flight: Flight, number: int = 0, own: dict[str, Any] | None = None) -> Evaluation:
+    """Let the sensors of a scenario see a flight and its trackers follow it, and judge both.
+
+    Parameters
+    ----------
+    number : of the flight; it addresses the noise
+    own : further trackers of the caller, by name
+    """
+    scenario = prepared.scenario
+    timing: dict[str, float] = {}
+    with timed(timing, "observe_s"):
+        records = observe(flight, scenario.sensors, scenario.seed, number, scenario.draws)
+    with timed(timing, "track_s"):
+        tracks, trackers = track(prepared, flight, records, own or {}, number)
+    name = scenario.autopilot.navigation
+    followed = tracks[name].track if name in tracks else None
+    navigated = navigation_quality(prepared, flight, followed, trackers.get(name, {}))
+    figures = flight_metrics(flight, scenario.runway, prepared.law.bank_limit)
+    every = {**figures, "navigated": navigated, "trackers": trackers}
+    checks = evaluate_checks(scenario.checks, flight, scenario.runway, every)
+    return Evaluation(records, tracks, figures, trackers, navigated, checks, timing)
 
 
 def _on_truth(prepared: Prepared) -> dict[str, Any]:
@@ -151,47 +169,44 @@ def run_to_folder(
     scenario = read(source, overrides)
     folder = out if out is not None else Path("out") / scenario.name
     refuse_foreign(folder, "run")
-    with second_process(len(scenario.trackers) >= FEW, _get_ready) as second:
-        result = run(scenario, progress=progress, second=second)
+    with helper(len(scenario.trackers) >= FEW, _get_ready):
+        result = run(scenario, progress=progress)
         claim(folder, "run")
         with staged(folder) as place:
-            report(result, place, second)
+            report(result, place)
             result.timing["total_s"] = time.perf_counter() - started
             write_json(place / "timing.json", result.timing)
     return folder, result
 
 
 def _get_ready() -> None:
-    """In the second process: what takes long to import, while the aircraft still flies."""
+    """In the helper process: what takes long to import, while the aircraft still flies."""
     from sim.reporting.figures.flight import charts  # noqa: F401
     from sim.reporting.figures.style import get_ready
 
     get_ready()
 
 
-def report(result: Result, folder: Path, second: SecondProcess = ALONE) -> None:
-    """Write the files of a run into an existing folder; a second process draws a part of its figures."""
+def report(result: Result, folder: Path) -> None:
+    """Write the files of a run into an existing folder."""
     from sim.reporting.run_page import write
 
-    lap = time.perf_counter()
-    scenario, first = result.scenario, result.flight
-    resolved = {**scenario.tables, "designed": result.prepared.designed.to_table()}
-    (folder / "scenario.toml").write_text(dumps(resolved))
-    write_json(folder / "metrics.json", result.metrics)
-    write_npz(folder / "flight.npz", flight_arrays(first))
-    write_npz(folder / "measurements.npz", measurement_arrays(result.records))
-    write_npz(folder / "tracks.npz", {k: v for name, one in result.tracks.items() for k, v in one.arrays(name).items()})
-    write(
-        folder / "report.html",
-        scenario=scenario,
-        flight=first,
-        law=result.prepared.law,
-        metrics=result.metrics,
-        versions=result.metrics["versions"],
-        timing=result.timing,
-        tracked=result.tracks,
-        records=result.records,
-        built={name: build(result.prepared, name, choice)[0] for name, choice in scenario.trackers.items()},
-        second=second,
-    )
-    _lap(result.timing, "report_s", lap)
+    with timed(result.timing, "report_s"):
+        scenario, first = result.scenario, result.flight
+        resolved = {**scenario.tables, "designed": result.prepared.designed.to_table()}
+        (folder / "scenario.toml").write_text(dumps(resolved))
+        write_json(folder / "metrics.json", result.metrics)
+        write_npz(folder / "flight.npz", flight_arrays(first))
+        write_npz(folder / "measurements.npz", measurement_arrays(result.records))
+        write_npz(folder / "tracks.npz", track_arrays(result.tracks))
+        write(
+            folder / "report.html",
+            scenario=scenario,
+            flight=first,
+            law=result.prepared.law,
+            metrics=result.metrics,
+            versions=result.metrics["versions"],
+            timing=result.timing,
+            tracked=result.tracks,
+            records=result.records,
+        )

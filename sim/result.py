@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,5 +37,9 @@ class Result:
         return self.flights[0]
 
 
-def _lap(timing: dict[str, float], name: str, since: float) -> None:
-    timing[name] = time.perf_counter() - since
+@contextmanager
+def timed(timing: dict[str, float], name: str) -> Iterator[None]:
+    """Write down how long a part of the work takes, s."""
+    started = time.perf_counter()
+    yield
+    timing[name] = time.perf_counter() - started

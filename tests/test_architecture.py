@@ -49,7 +49,7 @@ CONFINED = {
     "control": ("autopilot/",),
     "filterpy": ("tracking/filterpy_adapter.py",),
     "matplotlib": ("sim/reporting/", "sim/studies/figures.py"),
-    "jinja2": ("sim/reporting/", "sim/studies/page.py", "sim/claims/page.py"),
+    "jinja2": ("sim/reporting/page.py",),
     "distributed": ("sim/workers/cluster.py",),
     "pyarrow": ("sim/cli/export.py",),
 }

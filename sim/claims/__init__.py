@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.errors import ScenarioError, did_you_mean
-from sim.workers.helper_process import ALONE, SecondProcess
+from sim.workers.sharing import current
 
 PAPERS = ("vasylyev2003", "volovyk2022", "volovyk2018", "kychak2011", "glistin", "madap")
 SEED = 2026
@@ -45,26 +45,25 @@ def measured(
     quick: bool = False,
     progress: Any = None,
     folder: Path | None = None,
-    second: SecondProcess = ALONE,
 ) -> list[Any]:
     """Rows of the ledger; ``progress`` wraps the work as `sim.cli.progress.bar` does.
 
     A second process takes a part of it. Rows are kept in ``folder`` until the pages are written there: an interrupted
     ledger goes on where it was stopped.
     """
-    from sim.claims import row_cache as kept
+    from sim.claims import row_cache
     from sim.claims.ledger import Row
 
-    mark = "" if folder is None else kept.stamp(seed, quick)
-    found = {} if folder is None else kept.load(folder, mark)
+    mark = "" if folder is None else row_cache.stamp(seed, quick)
+    found = {} if folder is None else row_cache.load_rows(folder, mark)
     claims = {(paper, claim.name): claim for paper in chosen(papers) for claim in claims_of(paper)}
     missing = [name for name in claims if name not in found]
-    done: Any = second.as_done(_measure, [(*name, seed, quick) for name in missing])
+    done: Any = current().as_done(_measure, [(*name, seed, quick) for name in missing])
     for number, values in done if progress is None else progress(done, len(missing), "claims"):
         name = missing[number]
         found[name] = values
         if folder is not None:
-            kept.keep(folder, mark, Row(name[0], claims[name], seed, values))
+            row_cache.add_row(folder, mark, Row(name[0], claims[name], seed, values))
     return [Row(name[0], claim, seed, found[name]) for name, claim in claims.items()]
 
 

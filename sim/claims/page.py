@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from sim.claims import plots_of
-from sim.claims import row_cache as kept
 from sim.claims.ledger import Row
 from sim.claims.plots import Plot
+from sim.claims.row_cache import FILE
 from sim.claims.table import figure, interval, summary
 from sim.files import staged, write_json
 from sim.reporting.figures import style
+from sim.reporting.page import rendered
 from sim.reporting.text.labels import ABSENT
 from sim.reporting.tracker_figures.tracking_errors import logarithmic
-from sim.workers.helper_process import ALONE, SecondProcess
+from sim.workers.sharing import current
 
 HEIGHT = 2.4  # in
 LOOKS: dict[str, dict[str, Any]] = {
@@ -30,10 +30,10 @@ LOOKS: dict[str, dict[str, Any]] = {
 }
 
 
-def write(folder: Path, rows: Sequence[Row], seed: int, second: SecondProcess = ALONE) -> None:
+def write(folder: Path, rows: Sequence[Row], seed: int) -> None:
     """claims.json, claims.md, claims.html and one page for each paper, all or none."""
     papers = list(dict.fromkeys(row.paper for row in rows))
-    charts = dict(zip(papers, second.shared(charts_of, [(paper, seed) for paper in papers]), strict=True))
+    charts = dict(zip(papers, current().in_order(charts_of, [(paper, seed) for paper in papers]), strict=True))
     with staged(folder) as place:
         write_json(place / "claims.json", [row.plain() for row in rows])
         (place / "claims.md").write_text(summary(rows) + "\n", encoding="utf-8")
@@ -42,7 +42,7 @@ def write(folder: Path, rows: Sequence[Row], seed: int, second: SecondProcess = 
             own = [row for row in rows if row.paper == paper]
             text = page(f"Claims of {paper}", own, {paper: charts[paper]}, seed)
             (place / f"{paper}.html").write_text(text, encoding="utf-8")
-    (folder / kept.FILE).unlink(missing_ok=True)
+    (folder / FILE).unlink(missing_ok=True)
 
 
 def charts_of(paper: str, seed: int) -> list[style.Chart]:
@@ -53,14 +53,6 @@ def charts_of(paper: str, seed: int) -> list[style.Chart]:
 
 def page(title: str, rows: Sequence[Row], charts: dict[str, list[style.Chart]], seed: int) -> str:
     """One self-contained HTML page."""
-    import jinja2
-
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    template = environment.from_string(
-        (resources.files("sim.reporting.templates") / "claims.html").read_text(encoding="utf-8")
-    )
     counts = Counter(row.verdict for row in rows if row.verdict is not None)
     told = ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
     papers = [
@@ -68,7 +60,7 @@ def page(title: str, rows: Sequence[Row], charts: dict[str, list[style.Chart]], 
         for paper in dict.fromkeys(row.paper for row in rows)
     ]
     sentence = f"{sum(counts.values())} claims: {told}." if counts else "Measured."
-    return str(template.render(title=title, sentence=sentence, papers=papers, seed=seed))
+    return rendered("claims.html", title=title, sentence=sentence, papers=papers, seed=seed)
 
 
 def _row(row: Row) -> dict[str, Any]:

@@ -29,7 +29,7 @@ def stamp(seed: int, quick: bool) -> str:
     return f"{program()} seed {seed}{' quick' if quick else ''}"
 
 
-def keep(folder: Path, mark: str, row: Row) -> None:
+def add_row(folder: Path, mark: str, row: Row) -> None:
     """Append one row; raises ``OutputError`` where that is impossible."""
     line = {"stamp": mark, "paper": row.paper, "claim": row.claim.name, "measured": row.measured}
     try:
@@ -39,7 +39,7 @@ def keep(folder: Path, mark: str, row: Row) -> None:
         raise OutputError(f"{folder}: cannot be written: {error.strerror}; what was measured before is kept") from None
 
 
-def load(folder: Path, mark: str) -> dict[tuple[str, str], tuple[Measured, ...]]:
+def load_rows(folder: Path, mark: str) -> dict[tuple[str, str], tuple[Measured, ...]]:
     """What an interrupted command of the same stamp has measured, by paper and claim."""
     found: dict[tuple[str, str], tuple[Measured, ...]] = {}
     file = folder / FILE

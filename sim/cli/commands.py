@@ -162,22 +162,22 @@ def claims(
     from sim import claims as ledger
     from sim.claims.table import table
     from sim.files import claim, plain
-    from sim.workers.helper_process import second_process
+    from sim.workers.sharing import helper
 
     chosen = ledger.chosen(papers or ())
     if out is not None:
         claim(out, "claims")
     seed = ledger.SEED if seed is None else seed
-    with second_process(len(chosen) > 1) as second:
+    with helper(len(chosen) > 1):
         try:
-            rows = ledger.measured(chosen, seed, quick, _progress(), out, second)
+            rows = ledger.measured(chosen, seed, quick, _progress(), out)
         except KeyboardInterrupt:
             typer.echo("stopped" if out is None else "stopped; the rows are kept; the same command goes on", err=True)
             raise typer.Exit(STOPPED) from None
         if out is not None:
             from sim.claims.page import write
 
-            write(out, rows, seed, second)
+            write(out, rows, seed)
     typer.echo(json.dumps(plain([row.plain() for row in rows]), indent=1) if as_json else table(rows))
     if out is not None and not as_json:
         typer.echo(f"page: {out / 'claims.html'}")

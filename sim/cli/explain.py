@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from aircraft.airframe import load
 from aircraft.linearise import linearise
 from aircraft.modes import LEVEL_SOURCE, flying_qualities, modes
 from aircraft.trim import TrimError, trim
@@ -14,11 +13,11 @@ from autopilot.route_loop import linear_onset, margins
 from sim.cli.text_table import table
 from sim.flight.departures import in_words
 from sim.flight.linear_model import has_route_loop, scenario_loop
-from sim.flight.preparation import TIME_LIMIT, Prepared, prepare
+from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared, prepare
 from sim.flight.weather import words
 from sim.metrics import windshear
 from sim.scenario.model import Scenario
-from sim.workers.isolation import apart
+from sim.workers.isolation import run_isolated
 
 
 def explain(scenario: Scenario) -> str:
@@ -26,7 +25,7 @@ def explain(scenario: Scenario) -> str:
     prepared = prepare(scenario)
     parts = [_head(prepared), _route(prepared)]
     if scenario.aircraft.model != "point_mass":
-        parts.append(apart(scenario, TIME_LIMIT, _aircraft, prepared))
+        parts.append(run_isolated(scenario, MODEL_TIME_LIMIT, _aircraft, prepared))
         parts += windshear.outlook(prepared)
     parts.append(_law(prepared))
     if scenario.departures:
@@ -70,8 +69,7 @@ def _route(prepared: Prepared) -> str:
 
 
 def _aircraft(prepared: Prepared) -> str:
-    choice = prepared.scenario.aircraft
-    airframe = load(choice.model, choice.mass, choice.centre_of_gravity_mac, choice.factors)
+    airframe = prepared.airframe.load()
     landing, legs = prepared.autopilot.landing, prepared.route.legs
     conditions = [(leg.speed, prepared.autopilot.flaps, 0.0, 0.0, leg.height) for leg in legs]
     if landing is not None:
@@ -118,7 +116,7 @@ def _law(prepared: Prepared) -> str:
 
 def _route_loop(prepared: Prepared, law: LateralNavigation) -> str:
     """Margins of the loop that the law closes on its first leg, and the oscillation that its limits can sustain."""
-    loop = apart(prepared.scenario, TIME_LIMIT, scenario_loop, prepared)
+    loop = run_isolated(prepared.scenario, MODEL_TIME_LIMIT, scenario_loop, prepared)
     found, linear = margins(loop, law), linear_onset(loop, law.bank_limit)
     limited = limited_loop(loop, law.bank_limit, prepared.autopilot.roll_rate_limit)
     offset = least_offset(limited, law)

@@ -20,7 +20,7 @@ from sim.scenario import toml_writer as toml
 from sim.workers.executors import LocalExecutor, Lost
 
 TABLE = Path(__file__).parent / "fleet.toml"
-TIME_LIMIT = 240.0  # s of one aircraft
+AIRCRAFT_TIME_LIMIT = 240.0  # s of one aircraft
 OFFSET = 3000.0  # m, from which the line is captured
 SPEED_MARGIN = 1.02  # of the manoeuvring speed over the least for which the flaps are set
 TURN_ROOM = 2.5  # radii of the turns between downwind and final
@@ -181,7 +181,10 @@ def _reason(error: Exception) -> str:
 
 
 def answers(
-    ask: Callable[[str], dict[str, Any]], models: Sequence[str], workers: int = 1, time_limit: float = TIME_LIMIT
+    ask: Callable[[str], dict[str, Any]],
+    models: Sequence[str],
+    workers: int = 1,
+    time_limit: float = AIRCRAFT_TIME_LIMIT,
 ) -> Iterator[tuple[str, dict[str, Any]]]:
     """Each aircraft and its answer, as they end; one that kills its process or hangs is answered too."""
     executor = LocalExecutor(workers, time_limit=time_limit)

@@ -1,4 +1,4 @@
-"""Twins: trackers that differ only in the law they are told run as one, their runs side by side.
+"""Batched trackers: those that differ only in the law they are told run as one, their runs side by side.
 
 A law takes arrays for its gains and limits, one value per run, and a step over twice the runs costs little more than a
 step over the runs: most of it is the setting-up of array operations.
@@ -15,7 +15,7 @@ from tracking.gaussian import Gaussian
 from tracking.track import Measurements, Track
 
 
-def alike(one: Any, other: Any) -> bool:
+def can_batch(one: Any, other: Any) -> bool:
     """Whether two trackers can run as one: of one class, told laws of one class, all else equal.
 
     The bank limit must be equal too, because it plans the turns of the route.
@@ -31,8 +31,8 @@ def alike(one: Any, other: Any) -> bool:
     )
 
 
-def as_one(trackers: list[Any], runs: int) -> Any:
-    """One tracker for ``runs`` runs of each of several that are `alike`, those of the first before the others'."""
+def stack_laws(trackers: list[Any], runs: int) -> Any:
+    """One tracker for ``runs`` runs of each of several that `can_batch`, those of the first before the others'."""
     if all(tracker is trackers[0] for tracker in trackers):
         return trackers[0]
     laws = [tracker.law for tracker in trackers]
@@ -44,8 +44,8 @@ def as_one(trackers: list[Any], runs: int) -> Any:
     return dataclasses.replace(trackers[0], law=dataclasses.replace(laws[0], **told))
 
 
-def repeated(record: Measurements, prior: Gaussian, times: int) -> tuple[Measurements, Gaussian]:
-    """The measurements and the prior once for each twin."""
+def repeat_runs(record: Measurements, prior: Gaussian, times: int) -> tuple[Measurements, Gaussian]:
+    """The measurements and the prior once for each tracker of a batch."""
     if times == 1:
         return record, prior
 
@@ -60,12 +60,12 @@ def repeated(record: Measurements, prior: Gaussian, times: int) -> tuple[Measure
     )
 
 
-def apart(track: Track, twins: int) -> list[Track]:
-    """The track of each twin."""
-    runs = track.mean.shape[-1] // twins
+def split_track(track: Track, trackers: int) -> list[Track]:
+    """The track of each tracker of a batch."""
+    runs = track.mean.shape[-1] // trackers
     tracks = []
-    for twin in range(twins):
-        own = slice(twin * runs, (twin + 1) * runs)
+    for place in range(trackers):
+        own = slice(place * runs, (place + 1) * runs)
         parts = {
             name: array if array is None or (name == "cov" and array.shape[-1] == 1) else array[..., own]
             for name, array in track._asdict().items()

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.estimation.batching import as_one
+from sim.estimation.batching import stack_laws
 from sim.flight.interpolation import truth_at
 from sim.flight.record import Flight
 from sim.metrics import comparison
@@ -20,7 +20,7 @@ DRAWS = 16  # of the ensemble that look ahead; their spread over draws is far sm
 
 
 class LookAhead:
-    """Watches the track of twins, keeps their state at a few epochs and predicts from all of them at once."""
+    """Watches batched trackers, keeps their state at a few epochs and predicts from all of them at once."""
 
     def __init__(self, trackers: list[Any], flight: Flight, epochs: np.ndarray, sensors: dict[str, Any]) -> None:
         self.trackers, self.flight, self.sensors = trackers, flight, sensors
@@ -29,8 +29,8 @@ class LookAhead:
         self.wanted = (
             set(early[np.linspace(0, len(early) - 1, INSTANTS + 1).astype(int)][1:].tolist()) if len(early) else set()
         )
-        self.kept: list[tuple[float, Any]] = []  # (s, state of some draws of every twin)
-        self.draws = DRAWS  # of each twin
+        self.kept: list[tuple[float, Any]] = []  # (s, state of some draws of every tracker)
+        self.draws = DRAWS  # of each tracker
 
     def __call__(self, epoch: Epoch) -> None:
         """Keep the state of an epoch, once, if it is one of those chosen."""
@@ -44,10 +44,10 @@ class LookAhead:
         self.kept.append((epoch.time, narrowed(epoch.state, runs, rows)))
 
     def figures(self) -> list[dict[str, dict[str, float]]]:
-        """RMSE by span and channel of each twin, as in metrics.json."""
+        """RMSE by span and channel of each tracker, as in metrics.json."""
         found: list[dict[float, dict[str, list[np.ndarray]]]] = [{} for _ in self.trackers]
         for times, state in self._groups():
-            tracker, done = as_one(self.trackers * len(times), self.draws), 0.0
+            tracker, done = stack_laws(self.trackers * len(times), self.draws), 0.0
             for span in SPANS:
                 within = times + span <= self.flight.time[-1]
                 if not within.any():
@@ -57,9 +57,9 @@ class LookAhead:
                     estimate = believed(tracker, state)
                     mean, cov = merge(estimate) if isinstance(estimate, Mixture) else estimate
                 done = span
-                for twin, squares in enumerate(self._squares(times + span, within, mean, cov)):
+                for place, squares in enumerate(self._squares(times + span, within, mean, cov)):
                     for channel, values in squares.items():
-                        found[twin].setdefault(span, {}).setdefault(channel, []).append(values)
+                        found[place].setdefault(span, {}).setdefault(channel, []).append(values)
         return [{f"{span:.0f}_s": _rmse(by_channel) for span, by_channel in own.items()} for own in found]
 
     def _groups(self) -> list[tuple[np.ndarray, Any]]:
@@ -78,17 +78,17 @@ class LookAhead:
         return [(np.array([time for time, _ in self.kept]), joined)]
 
     def _squares(self, times: np.ndarray, within: np.ndarray, mean: Any, cov: Any) -> list[dict[str, np.ndarray]]:
-        """Squared errors (instants within the flight, draws) by channel, for each twin."""
+        """Squared errors (instants within the flight, draws) by channel, for each tracker."""
         n, shape = len(mean), (len(times), len(self.trackers), self.draws)
         cov = np.broadcast_to(cov if np.ndim(cov) == 3 else cov[..., None], (n, n, mean.shape[1]))
-        mean = np.moveaxis(mean.reshape(n, *shape), 1, 0)[within]  # (instants, n, twins, draws)
+        mean = np.moveaxis(mean.reshape(n, *shape), 1, 0)[within]  # (instants, n, trackers, draws)
         cov = np.moveaxis(cov.reshape(n, n, *shape), 2, 0)[within]
         truth = truth_at(self.flight, times[within])
         names = self.trackers[0].channels
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             errors = [
-                comparison.compare(self.flight, truth, names, mean[:, :, twin], cov[..., twin, :], self.sensors)
-                for twin in range(len(self.trackers))
+                comparison.compare(self.flight, truth, names, mean[:, :, place], cov[..., place, :], self.sensors)
+                for place in range(len(self.trackers))
             ]
         return [{channel: comparison.squared(one) for channel, one in compared.items()} for compared in errors]
 

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim.errors import ScenarioError
-from sim.estimation import prior as components
-from sim.estimation.batching import alike, apart, as_one, repeated
+from sim.estimation.batching import can_batch, repeat_runs, split_track, stack_laws
 from sim.estimation.look_ahead import LookAhead
+from sim.estimation.prior import prior
 from sim.estimation.setup import adopt, build, chart_height, listened
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics import conformance
-from sim.metrics.tracker import tracker_metrics
+from sim.metrics.error_curves import ErrorCurves, error_curves
+from sim.metrics.tracker import TrackerErrors, plot_errors, tracker_errors, tracker_metrics
 from sim.observation.record import SensorRecord, measurements
-from sim.scenario.model import TrackerChoice
-from sim.workers.helper_process import ALONE, SecondProcess
+from sim.workers.sharing import current
 from tracking.conformance import CONFORMANCE
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.track import Measurements, Track, TrackerError, believed, follow, modes_of, stepped
@@ -26,28 +27,23 @@ from tracking.track import track as run_tracker
 
 
 class Tracked(NamedTuple):
-    """One tracker's record and how it was set up."""
+    """One tracker as it was set up, its record and what that had wrong."""
 
-    track: Track
-    measurements: Measurements
+    tracker: Any
     law_from: str | None
+    measurements: Measurements
+    track: Track
+    curves: ErrorCurves
 
-    def arrays(self, name: str) -> dict[str, np.ndarray]:
-        """For tracks.npz: all draws in single precision (a millimetre), the whole covariance for draw 0."""
-        track = self.track
-        cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
-        with np.errstate(invalid="ignore"):  # a lost track is a result
-            sigma = np.sqrt(np.einsum("kiin->kin", cov))
-        arrays = {
-            f"{name}.time_s": track.time,
-            f"{name}.channels": np.array(track.channels),
-            f"{name}.mean": track.mean.astype(np.float32),
-            f"{name}.sigma": sigma.astype(np.float32),
-            f"{name}.cov_of_draw_0": cov[..., 0],
-        }
-        if self.track.model_probabilities is not None:
-            arrays[f"{name}.model_probabilities"] = self.track.model_probabilities
-        return arrays
+
+class Watch(NamedTuple):
+    """A flight that is watched, and by whom: what all its trackers share."""
+
+    prepared: Prepared
+    flight: Flight
+    records: dict[str, SensorRecord]
+    trackers: dict[str, Any]  # of the scenario, which may hand over to each other
+    number: int  # of the flight
 
 
 def track(
@@ -56,98 +52,131 @@ def track(
     records: dict[str, SensorRecord],
     own: dict[str, Any],
     number: int = 0,
-    second: SecondProcess = ALONE,
 ) -> tuple[dict[str, Tracked], dict[str, Any]]:
     """Run the trackers of a scenario, and ``own`` trackers of the caller, over one recorded flight.
 
     Returns the records and the figures of metrics.json. A tracker sees measurements, the law it is told and the
-    route; never the active leg, the phase or the true motion. A second process takes a part of the scenario's own.
+    route; never the active leg, the phase or the true motion.
     """
     figures: dict[str, Any] = {}
-    choices: dict[str, tuple[str, tuple[str, ...], TrackerChoice | None]] = {
-        name: (choice.kind, choice.sensors, choice) for name, choice in prepared.scenario.trackers.items()
-    }
-    choices |= {name: ("own", listened(prepared, name, tracker, records), None) for name, tracker in own.items()}
+    of_scenario = list(_of_scenario(prepared))
+    watch = Watch(prepared, flight, records, {one.name: one.tracker for one in of_scenario}, number)
+    every = {one.name: one for one in (*of_scenario, *_of_caller(prepared, records, own))}
     heard = {  # what arrives after the flight comes too late
         sensors: _between(measurements(records, sensors), -math.inf, float(flight.time[-1]))
-        for sensors in dict.fromkeys(sensors for _, sensors, _ in choices.values())
+        for sensors in dict.fromkeys(one.sensors for one in every.values())
     }
     entries: list[Entry] = []
-    for name, (kind, sensors, choice) in choices.items():
-        tracker, law_from = (
-            (adopt(prepared, own[name], sensors), None) if choice is None else build(prepared, name, choice)
-        )
-        figures[name] = {"kind": kind, "law_from": law_from, "overall": {}, "by_phase": {}, "conformance": None}
-        start = begins(prepared, name, sensors, heard[sensors], flight)
+    for one in every.values():
+        figures[one.name] = {
+            "kind": one.kind, "law_from": one.law_from, "overall": {}, "by_phase": {}, "conformance": None
+        }  # fmt: skip
+        start = begins(prepared, one.name, one.sensors, heard[one.sensors], flight)
         if start is not None:  # otherwise never in sight: n/a, not an error
-            handover = None if choice is None else choice.handover
-            entries.append(Entry(name, tracker, law_from, sensors, start, handover))
-    tracked: dict[str, Tracked] = {}
+            entries.append(Entry(*one, start))
     since = {
         (sensors, start): _between(heard[sensors], start, math.inf)
         for sensors, start in dict.fromkeys((entry.sensors, entry.start) for entry in entries)
     }
-    groups = sorted(_twins(entries), key=lambda twins: (twins[0].name in own, -_size(twins)))
-    calls = [(prepared, flight, records, since[twins[0].sensors, twins[0].start], twins, number) for twins in groups]
-    ours = [call for call, twins in zip(calls, groups, strict=True) if twins[0].name not in own]
-    results = second.shared(_followed, ours) + [_followed(*call) for call in calls[len(ours) :]]
-    for call, result in zip(calls, results, strict=True):
-        for entry, (followed, figure) in zip(call[4], result, strict=True):
-            tracked[entry.name] = Tracked(followed, call[3], entry.law_from)
-            figures[entry.name] |= figure
-    return {name: tracked[name] for name in choices if name in tracked}, figures
+    groups = sorted(_groups(entries), key=lambda group: (group[0].name in own, -_size(group)))
+    calls = [(watch, since[group[0].sensors, group[0].start], group) for group in groups]
+    ours = [call for call in calls if call[2][0].name not in own]
+    results = current().in_order(run_group, ours) + [run_group(*call) for call in calls[len(ours) :]]
+    tracked: dict[str, Tracked] = {}
+    for (_, record, group), result in zip(calls, results, strict=True):
+        for entry, outcome in zip(group, result, strict=True):
+            tracked[entry.name] = Tracked(entry.tracker, entry.law_from, record, outcome.track, outcome.curves)
+            figures[entry.name] |= outcome.figures
+    return {name: tracked[name] for name in every if name in tracked}, figures
 
 
-class Entry(NamedTuple):
-    """A tracker that has something to track."""
+class SetUp(NamedTuple):
+    """A tracker with all that it is given."""
 
     name: str
+    kind: str
     tracker: Any
     law_from: str | None
     sensors: tuple[str, ...]
-    start: float  # s
     handover: str | None
 
 
-def _followed(
-    prepared: Prepared,
-    flight: Flight,
-    records: dict[str, SensorRecord],
-    record: Measurements,
-    twins: list[Entry],
-    number: int,
-) -> list[tuple[Track, dict[str, Any]]]:
-    """What trackers that run as one made of a record, and their figures."""
-    first = twins[0]
-    prior = _prior(prepared, flight, records, first.name, first.tracker, first.start, number)
-    watched = {sensor: prepared.scenario.sensors[sensor] for sensor in first.sensors}
-    trackers = [entry.tracker for entry in twins]
-    ahead = LookAhead(trackers, flight, record.arrival, watched)
-    one = as_one(trackers, record.z.shape[2])
+def _of_scenario(prepared: Prepared) -> Iterator[SetUp]:
+    for name, choice in prepared.scenario.trackers.items():
+        yield SetUp(name, choice.kind, *build(prepared, name, choice), choice.sensors, choice.handover)
+
+
+def _of_caller(prepared: Prepared, records: dict[str, SensorRecord], own: dict[str, Any]) -> Iterator[SetUp]:
+    """Trackers of the caller listen to all sensors that they can read."""
+    for name, tracker in own.items():
+        sensors = listened(prepared, name, tracker, records)
+        yield SetUp(name, "own", adopt(prepared, tracker, sensors), None, sensors, None)
+
+
+class Entry(NamedTuple):
+    """A tracker that has something to track: as it was set up, and since when."""
+
+    name: str
+    kind: str
+    tracker: Any
+    law_from: str | None
+    sensors: tuple[str, ...]
+    handover: str | None
+    start: float  # s
+
+
+class Outcome(NamedTuple):
+    """What one tracker made of its measurements, light enough to be sent from process to process."""
+
+    track: Track
+    curves: ErrorCurves
+    figures: dict[str, Any]
+
+
+def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Outcome]:
+    """What trackers that run as one made of a record, and what they had wrong."""
+    flight, first = watch.flight, group[0]
+    begun = _prior(watch, first.name, first.tracker, first.start)
+    sensors = {name: watch.prepared.scenario.sensors[name] for name in first.sensors}
+    trackers = [entry.tracker for entry in group]
+    ahead = LookAhead(trackers, flight, record.arrival, sensors)
+    one = stack_laws(trackers, record.z.shape[2])
     try:
-        tracks = apart(run_tracker(one, *repeated(record, prior, len(twins)), first.start, ahead), len(twins))
+        tracks = split_track(run_tracker(one, *repeat_runs(record, begun, len(group)), first.start, ahead), len(group))
         looks = ahead.figures()
     except TrackerError as error:
         raise ScenarioError(f"[trackers.{first.name}] {error}") from error
-    found = []
-    for entry, followed, looked in zip(twins, tracks, looks, strict=True):
-        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-            judged = tracker_metrics(flight, watched, chart_height(prepared), followed, record)
-            seen = CONFORMANCE.watch(entry.tracker, followed)
-            judged["conformance"] = conformance.figures(seen, prepared.departure)
-            # covariances are most of a run's memory, and only figures still read them
-            light = followed._replace(cov=followed.cov.astype(np.float32))
-        found.append((light, {"look_ahead": looked, **judged}))
-    return found
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
+        plots = plot_errors(flight, sensors, chart_height(watch.prepared), record)
+        return [
+            _judged(watch, entry, made, tracker_errors(flight, sensors, made, plots), looked)
+            for entry, made, looked in zip(group, tracks, looks, strict=True)
+        ]
 
 
-def _twins(entries: list[Entry]) -> list[list[Entry]]:
+def _judged(
+    watch: Watch, entry: Entry, made: Track, errors: TrackerErrors, looked: dict[str, dict[str, float]]
+) -> Outcome:
+    """One track with its figures and curves; ``looked`` is how far ahead it could be believed."""
+    seen = CONFORMANCE.watch(entry.tracker, made)
+    figures = {
+        "look_ahead": looked,
+        **tracker_metrics(watch.flight, made, errors),
+        "conformance": conformance.figures(seen, watch.prepared.departure),
+    }
+    sensors = {name: watch.prepared.scenario.sensors[name] for name in entry.sensors}
+    curves = error_curves(watch.flight, sensors, made, errors)
+    # covariances are most of a run's memory, and only maps still read them
+    return Outcome(made._replace(cov=made.cov.astype(np.float32)), curves, figures)
+
+
+def _groups(entries: list[Entry]) -> list[list[Entry]]:
     """The entries, those together that can run as one."""
     groups: list[list[Entry]] = []
     for entry in entries:
         for group in groups:
-            same = group[0].sensors == entry.sensors and group[0][4:] == entry[4:]
-            if same and alike(group[0].tracker, entry.tracker):
+            same = group[0][4:] == entry[4:]  # sensors, handover and start
+            if same and can_batch(group[0].tracker, entry.tracker):
                 group.append(entry)
                 break
         else:
@@ -155,9 +184,9 @@ def _twins(entries: list[Entry]) -> list[list[Entry]]:
     return groups
 
 
-def _size(twins: list[Entry]) -> int:
+def _size(group: list[Entry]) -> int:
     """How many hypotheses run as one: the longest work goes first where it is shared."""
-    return sum(len(modes_of(entry.tracker)) or 1 for entry in twins)
+    return sum(len(modes_of(entry.tracker)) or 1 for entry in group)
 
 
 def begins(
@@ -186,48 +215,31 @@ def _between(record: Measurements, first: float, last: float) -> Measurements:
     )
 
 
-def _prior(
-    prepared: Prepared,
-    flight: Flight,
-    records: dict[str, SensorRecord],
-    name: str,
-    tracker: Any,
-    start: float,
-    number: int,
-) -> Gaussian:
+def _prior(watch: Watch, name: str, tracker: Any, start: float) -> Gaussian:
     """What is known when a track begins: the estimate that is handed over, else the truth with an error."""
-    choice = prepared.scenario.trackers.get(name)
+    scenario = watch.prepared.scenario
+    choice = scenario.trackers.get(name)
     if choice is not None and choice.handover is not None:
-        handed = _handed_over(prepared, flight, records, choice.handover, tracker.channels, start, number)
+        handed = _handed_over(watch, choice.handover, tracker.channels, start)
         if handed is not None:
             return handed
-    draws = next(iter(records.values())).z.shape[2]
-    sensors, seed = prepared.scenario.sensors, prepared.scenario.seed
+    draws = next(iter(watch.records.values())).z.shape[2]
     try:
-        return components.prior(flight, sensors, tracker.channels, start, seed, number, draws)
+        return prior(watch.flight, scenario.sensors, tracker.channels, start, scenario.seed, watch.number, draws)
     except KeyError as error:
         raise ScenarioError(f"[trackers.{name}] nothing is known of its component {error} when it begins") from None
 
 
-def _handed_over(
-    prepared: Prepared,
-    flight: Flight,
-    records: dict[str, SensorRecord],
-    name: str,
-    wanted: tuple[str, ...],
-    start: float,
-    number: int,
-) -> Gaussian | None:
+def _handed_over(watch: Watch, name: str, wanted: tuple[str, ...], start: float) -> Gaussian | None:
     """What tracker ``name`` believes at ``start`` by all that it heard before; None = it had heard nothing yet."""
-    choice = prepared.scenario.trackers[name]
-    tracker, _ = build(prepared, name, choice)
-    record = _between(measurements(records, choice.sensors), -math.inf, math.nextafter(start, -math.inf))
-    begun = begins(prepared, name, choice.sensors, record, flight)
+    tracker, sensors = watch.trackers[name], watch.prepared.scenario.trackers[name].sensors
+    record = _between(measurements(watch.records, sensors), -math.inf, math.nextafter(start, -math.inf))
+    begun = begins(watch.prepared, name, sensors, record, watch.flight)
     if begun is None:
         return None
-    prior = _prior(prepared, flight, records, name, tracker, begun, number)
+    before = _prior(watch, name, tracker, begun)
     try:
-        *_, last = follow(tracker, _between(record, begun, math.inf), prior, start=begun)
+        *_, last = follow(tracker, _between(record, begun, math.inf), before, start=begun)
         estimate = believed(tracker, stepped(tracker, last.state, start - last.time)[0])
     except TrackerError as error:
         raise ScenarioError(f"[trackers.{name}] {error}") from error

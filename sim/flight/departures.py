@@ -31,7 +31,7 @@ def controller(
     return Departing(autopilot, tuple(later))
 
 
-def noted(flight: Flight, departures: tuple[Departure, ...]) -> Flight:
+def with_departure_events(flight: Flight, departures: tuple[Departure, ...]) -> Flight:
     """The flight with its departures among the events."""
     if not departures:
         return flight

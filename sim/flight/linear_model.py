@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from aircraft import model_files
 from aircraft.actuators import actuator_bandwidth
-from aircraft.airframe import load
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import RouteLoop, route_loop
 from sim.errors import ScenarioError
@@ -22,9 +21,9 @@ def scenario_loop(prepared: Prepared) -> RouteLoop:
     if not has_route_loop(prepared):
         name = prepared.scenario.name
         raise ScenarioError(f"{name}: margins need a JSBSim aircraft under a route law, such as 'lateral_navigation'")
-    vehicle, leg = prepared.vehicle, prepared.route.legs[prepared.initial.leg]
-    airframe = load(vehicle.model, vehicle.mass, vehicle.centre_of_gravity_mac, vehicle.factors, vehicle.runway)
+    leg = prepared.route.legs[prepared.initial.leg]
+    airframe = prepared.airframe.load()
     point = operating_point(airframe, leg.speed, leg.height, prepared.autopilot.flaps, prepared.autopilot.gear)
-    model = model_files.read(vehicle.model)
+    model = model_files.read(prepared.airframe.model)
     actuators = actuator_bandwidth(model, "aileron"), actuator_bandwidth(model, "rudder")
     return route_loop(point, prepared.designed, actuators)

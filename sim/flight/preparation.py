@@ -7,10 +7,10 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from aircraft.airframe import Runway as Place
 from aircraft.airframe import Wind
 from aircraft.data import AircraftData
 from aircraft.errors import FlightError, ModelError, TrimError
+from aircraft.runway import Runway as Place
 from aircraft.slowest import complete
 from autopilot.approach import PHASES, Approach, Landing
 from autopilot.departure import Departing
@@ -23,16 +23,24 @@ from autopilot.stabilised_gate import StabilisedGate
 from sim.errors import ScenarioError, did_you_mean
 from sim.flight import departures
 from sim.flight.outcomes import Limits
-from sim.flight.vehicles import Configuration, Initial, JsbsimVehicle, PointMassVehicle, designed, designed_point_mass
+from sim.flight.vehicles import (
+    AirframeChoice,
+    Configuration,
+    Initial,
+    JsbsimVehicle,
+    PointMassVehicle,
+    designed,
+    designed_point_mass,
+)
 from sim.flight.weather import air
 from sim.randomness import Streams
 from sim.scenario import catalogue
 from sim.scenario.messages import told
 from sim.scenario.model import Scenario
 from sim.scenario.tables import PatternTable
-from sim.workers.isolation import apart
+from sim.workers.isolation import run_isolated
 
-TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
+MODEL_TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
 MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
 REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
 REFERENCE_ADDITION = 2.5  # m/s over the reference speed, at least
@@ -62,6 +70,11 @@ class Prepared:
     def departure(self) -> float | None:
         """When the law that trackers are told is first left, s; None = never."""
         return min((one.at for one in self.scenario.departures), default=None)
+
+    @property
+    def airframe(self) -> AirframeChoice:
+        """The aircraft that is loaded for it, where one is."""
+        return _airframe(self.scenario)
 
     @property
     def route(self) -> Route:
@@ -127,7 +140,7 @@ class Prepared:
 
 def prepare(scenario: Scenario) -> Prepared:
     """Route, law, aircraft and limits of a scenario; raises ``ScenarioError`` with one sentence for each fault."""
-    return apart(scenario, TIME_LIMIT, _prepared, scenario)
+    return run_isolated(scenario, MODEL_TIME_LIMIT, _prepared, scenario)
 
 
 def _prepared(scenario: Scenario) -> Prepared:
@@ -219,9 +232,9 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
         speed = max(speed, reference + REFERENCE_ADDITION)
     glide_path = scenario.runway.glide_path
     return flaps, Landing(
-        speed,
-        full,
-        glide_path,
+        approach_speed=speed,
+        flaps=full,
+        glide_path=glide_path,
         touchdown_sink=TOUCHDOWN_SINK * (speed / TOUCHDOWN_SPEED),
         wheel_height=aircraft.height_of_wheels,
         gate=StabilisedGate(
@@ -245,14 +258,14 @@ def _route(scenario: Scenario, landing: Landing | None) -> Route:
             )
         return pattern_route(
             table.side,
-            table.height,
-            table.downwind_abeam,
-            table.base_distance,
-            table.downwind_speed,
-            table.turn_speed,
-            runway.aiming_point,
-            runway.heading,
-            wind,
+            height=table.height,
+            downwind_abeam=table.downwind_abeam,
+            base_distance=table.base_distance,
+            downwind_speed=table.downwind_speed,
+            turn_speed=table.turn_speed,
+            aiming_point=runway.aiming_point,
+            runway_heading=runway.heading,
+            wind=wind,
         )
     return Route(tuple(Leg(leg.from_, leg.to, leg.speed, leg.height) for leg in table.legs), wind)
 
@@ -270,8 +283,7 @@ def _designed(
             raise ValueError("[designed] cannot be used; take the table out to design anew") from None
     slowest, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
     bank_limit = scenario.autopilot.bank_limit
-    choice = scenario.aircraft
-    if choice.model == "point_mass":
+    if scenario.aircraft.model == "point_mass":
         return designed_point_mass(fastest, bank_limit)
     if landing is None:
         wanted = [Configuration(flaps, 0.0, 0.96 * slowest, 1.04 * fastest)]
@@ -281,17 +293,8 @@ def _designed(
             Configuration(flaps, 0.0, 1.03 * final, 1.02 * fastest),
             Configuration(landing.flaps, 1.0, 0.97 * final, 1.02 * slowest),
         ]
-    return designed(
-        wanted,
-        fastest,
-        bank_limit,
-        max(leg.height for leg in route.legs),
-        choice.model,
-        choice.mass,
-        choice.centre_of_gravity_mac,
-        choice.factors,
-        _place(scenario),
-    )
+    highest = max(leg.height for leg in route.legs)
+    return designed(_airframe(scenario), wanted, speed=fastest, bank_limit=bank_limit, height=highest)
 
 
 def _mode(kind: str) -> type[Mode]:
@@ -347,21 +350,24 @@ def _initial(scenario: Scenario, route: Route, flaps: float, landing: Landing | 
             angle, flaps, gear, speed = math.atan(slope), landing.flaps, 1.0, landing.approach_speed
     height = height if start.height is None else start.height
     speed = speed if start.speed is None else start.speed
-    return Initial(north, east, height, leg.course, speed, angle, flaps, gear, number)
+    return Initial(
+        north, east, height, leg.course, airspeed=speed, flight_path_angle=angle, flaps=flaps, gear=gear, leg=number
+    )
 
 
-def _place(scenario: Scenario) -> Place:
-    runway = scenario.runway
-    return Place(runway.latitude, runway.longitude, runway.elevation, runway.heading)
+def _airframe(scenario: Scenario) -> AirframeChoice:
+    choice, runway = scenario.aircraft, scenario.runway
+    return AirframeChoice(
+        choice.model,
+        choice.mass,
+        choice.centre_of_gravity_mac,
+        choice.factors,
+        Place(runway.latitude, runway.longitude, runway.elevation, runway.heading),
+    )
 
 
 def _vehicle(scenario: Scenario, gains: Designed) -> Any:
-    choice = scenario.aircraft
-    if choice.model == "point_mass":
-        return PointMassVehicle()
-    return JsbsimVehicle(
-        gains, choice.model, choice.mass, choice.centre_of_gravity_mac, choice.factors, _place(scenario)
-    )
+    return PointMassVehicle() if scenario.aircraft.model == "point_mass" else JsbsimVehicle(gains, _airframe(scenario))
 
 
 def _warnings(scenario: Scenario, aircraft: AircraftData) -> tuple[str, ...]:

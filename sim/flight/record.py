@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -65,3 +66,13 @@ class Flight:
         if "gate" in wanted and self.gate_height is not None:
             flown |= self.during("glide") & (self.state.height <= self.gate_height)
         return flown
+
+
+def runs(values: Any) -> list[tuple[int, int]]:
+    """(first, one past last) of every unbroken stretch of equal values."""
+    values = np.asarray(values)
+    if not len(values):
+        return []
+    edges = np.flatnonzero(values[1:] != values[:-1]) + 1
+    bounds = [0, *edges.tolist(), len(values)]
+    return list(itertools.pairwise(bounds))

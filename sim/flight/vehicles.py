@@ -38,6 +38,20 @@ class Initial(NamedTuple):
     leg: int = 0  # of the route
 
 
+class AirframeChoice(NamedTuple):
+    """Which aircraft it is, how it is loaded, and where its runway lies: all that an airframe is made of."""
+
+    model: str | Path = "an26"
+    mass: float | None = None  # kg; None = as the model says
+    centre_of_gravity_mac: float | None = None  # share of the mean aerodynamic chord; None = as the model says
+    factors: Mapping[str, float] | None = None  # of groups of coefficients, by the names that the aircraft declares
+    runway: Runway | None = None
+
+    def load(self) -> Airframe:
+        """A fresh aircraft; raises ``ModelError`` for anything that cannot be loaded."""
+        return load(*self)
+
+
 class Vehicle(Protocol):
     """Anything that flies a command; its state is passed, that of JSBSim is a handle used once."""
 
@@ -74,15 +88,11 @@ class JsbsimVehicle:
     """A JSBSim aircraft that flies commands through the inner loops of a design."""
 
     designed: Designed
-    model: str | Path = "an26"
-    mass: float | None = None
-    centre_of_gravity_mac: float | None = None
-    factors: Mapping[str, float] = field(default_factory=dict)
-    runway: Runway = field(default_factory=Runway)
+    airframe: AirframeChoice
 
     def begin(self, initial: Initial, wind: Wind | None) -> JsbsimBody:
         """Load the aircraft afresh and trim it on its course."""
-        airframe = load(self.model, self.mass, self.centre_of_gravity_mac, self.factors, self.runway)
+        airframe = self.airframe.load()
         steady = trim(
             airframe,
             initial.airspeed,
@@ -128,21 +138,18 @@ class Configuration(NamedTuple):
 
 
 def designed(
+    choice: AirframeChoice,
     configurations: Sequence[Configuration],
+    *,
     speed: float,
     bank_limit: float,
     height: float = 300.0,
-    model: str | Path = "an26",
-    mass: float | None = None,
-    centre_of_gravity_mac: float | None = None,
-    factors: Mapping[str, float] | None = None,
-    runway: Runway | None = None,
 ) -> Designed:
     """Trim and linearise an aircraft at the speeds of its configurations and design its loops and its route law.
 
-    ``speed`` (m/s) is that of intercepts, ``bank_limit`` (rad) that of the law.
+    ``speed`` (m/s) is that of intercepts, ``bank_limit`` (rad) that of the law, ``height`` (m) that of the trims.
     """
-    airframe = load(model, mass, centre_of_gravity_mac, factors, runway)
+    airframe = choice.load()
     points = []
     for configuration in configurations:
         slowest, flaps, gear = configuration.slowest, configuration.flaps, configuration.gear

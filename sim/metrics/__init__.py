@@ -2,6 +2,7 @@
 
 ``signals`` are what can be asked of a flight at every instant, ``flight`` its figures, ``table`` one row for each of
 them; ``windshear`` what the air takes. ``comparison`` brings truth and estimates to common channels, ``tracker`` counts
-the errors there, ``conformance`` asks whether the law is followed, ``navigation`` how good the estimate was that was
-flown on. ``checks`` are limits with their margins, ``warnings`` what a reader should know besides.
+the errors there, ``error_curves`` has them over time, ``conformance`` asks whether the law is followed, ``navigation``
+how good the estimate was that was flown on. ``checks`` are limits with their margins, ``warnings`` what a reader should
+know besides.
 """

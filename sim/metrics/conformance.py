@@ -19,12 +19,12 @@ from tracking.conformance import CONFORMANCE, Watched
 PERCENTILES = (5, 50, 95)
 
 
-def foremost(trackers: dict[str, Any], tracked: dict[str, Any]) -> tuple[str, Watched] | None:
+def foremost(tracked: dict[str, Any]) -> tuple[str, Watched] | None:
     """The first tracker that has intents, one that is told the law that flies before others, with its test."""
     for told_wrong in (False, True):
         for name, one in tracked.items():
-            if (one.law_from == "told wrong") is told_wrong and name in trackers:
-                watched = CONFORMANCE.watch(trackers[name], one.track)
+            if (one.law_from == "told wrong") is told_wrong:
+                watched = CONFORMANCE.watch(one.tracker, one.track)
                 if watched is not None:
                     return name, watched
     return None

@@ -1,7 +1,7 @@
 """How good the estimate was that an aircraft was flown on, and why a flight on it ended where it should not.
 
 A flight that a tracker navigates ends badly in one of three ways. The tracker is lost, and the autopilot keeps a place
-to a line on which the aircraft is not. Its rate comes later than the law stands, and the aircraft swings about its
+to a line on which the aircraft is not. Its rate comes later than the law tolerates, and the aircraft swings about its
 line. Or its noise shakes the aircraft more than the gate lets pass.
 """
 
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from aircraft.state import STANDARD_GRAVITY
-from autopilot.estimate_lag import bank_lag, standing_lag
+from autopilot.estimate_lag import bank_lag, tolerated_lag
 from autopilot.modes.lateral_navigation import LateralNavigation
 from sim.flight.interpolation import truth_at
 from sim.flight.preparation import Prepared
@@ -30,11 +30,13 @@ BESIDE = (
 SWINGING = 0.1  # of the time at the bank limit, at least, is a cycle and no correction
 
 
-def navigated(prepared: Prepared, flight: Flight, track: Track | None, judged: dict[str, Any]) -> dict[str, Any] | None:
+def navigation_quality(
+    prepared: Prepared, flight: Flight, track: Track | None, judged: dict[str, Any]
+) -> dict[str, Any] | None:
     """As in metrics.json; None for a flight that was flown on the truth.
 
     ``judged`` are the tracker's figures. The lag is that of the estimated rate across the leg behind the true one, by
-    least squares over the acceleration; it and what the law stands are None for a tracker of a height.
+    least squares over the acceleration; it and what the law tolerates are None for a tracker of a height.
     """
     name = prepared.scenario.autopilot.navigation
     if name == "truth":
@@ -58,7 +60,7 @@ def _quality(
     moved = float(acceleration @ acceleration)
     lag = float((true_rate - rate) @ acceleration / moved) if moved > 0.0 else None
     law = LateralNavigation.of(prepared.law)
-    tolerated = None if law is None else standing_lag(law.k1, law.k2, bank_lag(prepared.designed))
+    tolerated = None if law is None else tolerated_lag(law.k1, law.k2, bank_lag(prepared.designed))
     quality = Navigation(float(np.sqrt(np.mean(across**2))), lag, tolerated, lost)
     return quality, _place(flight, prepared, name, quality, across, track)
 
@@ -97,12 +99,16 @@ def _place(flight: Flight, prepared: Prepared, name: str, quality: Navigation, a
             f"{name}, on which it was flown, was lost {after}: at the end the aircraft was {off:.0f} m off its leg and "
             f"the estimate wrong by {wrong:.0f} m across, where it stated {sigma:.0f} m"
         )
-    late, stood = quality.rate_lag, quality.rate_lag_tolerated
+    late, tolerated = quality.rate_lag, quality.rate_lag_tolerated
     at_limit = float(np.mean(np.abs(flight.command.bank) >= prepared.law.bank_limit * (1 - 1e-6)))
-    if late is not None and stood is not None and (late > stood or (at_limit > SWINGING and 2.0 * late > stood)):
+    if (
+        late is not None
+        and tolerated is not None
+        and (late > tolerated or (at_limit > SWINGING and 2.0 * late > tolerated))
+    ):
         return (
-            f"the cross-track rate of {name}, on which it was flown, came {late:.1f} s late and the law stands "
-            f"{stood:.1f} s: the aircraft swung about its leg, at the bank limit for {at_limit:.0%} of the time"
+            f"the cross-track rate of {name}, on which it was flown, came {late:.1f} s late and the law tolerates "
+            f"{tolerated:.1f} s: the aircraft swung about its leg, at the bank limit for {at_limit:.0%} of the time"
         )
     return (
         f"{name}, on which it was flown, was wrong by {quality.error_rms:.0f} m rms across, and the autopilot "

@@ -3,30 +3,48 @@
 from __future__ import annotations
 
 import bisect
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.flight.interpolation import truth_at
+from sim.flight.interpolation import Truth, truth_at
 from sim.flight.record import Flight
 from sim.metrics import comparison
+from sim.metrics.comparison import Compared
 from tracking import consistency
 from tracking.intervals import mean_interval, rmse
 from tracking.track import Measurements, Track
 
 
-def tracker_metrics(
-    flight: Flight, sensors: dict[str, Any], chart_height: float, track: Track, record: Measurements
-) -> dict[str, Any]:
-    """The figures of one tracker for metrics.json; ``sensors`` are those that it heard, ``record`` what they said."""
-    truth = truth_at(flight, track.time)
+class TrackerErrors(NamedTuple):
+    """What a tracker and the measurements that it was given had wrong, by comparison channel."""
+
+    truth: Truth  # at the epochs
+    estimates: dict[str, Compared]
+    plots: dict[str, Compared]
+
+
+def plot_errors(
+    flight: Flight, sensors: dict[str, Any], chart_height: float, record: Measurements
+) -> dict[str, Compared]:
+    """Errors of measurements in the order in which they arrived; a plot is judged when it was true."""
     order = np.argsort(record.arrival, kind="stable")
+    taken = truth_at(flight, record.time[order])
+    return comparison.raw(flight, taken, record.channels, record.z[order], sensors, chart_height)
+
+
+def tracker_errors(flight: Flight, sensors: dict[str, Any], track: Track, plots: dict[str, Compared]) -> TrackerErrors:
+    """Errors of estimates, each judged at its epoch; ``sensors`` are those that the tracker heard."""
+    truth = truth_at(flight, track.time)
     cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
-    errors = comparison.compare(flight, truth, track.channels, track.mean, cov, sensors)
-    taken = truth_at(flight, record.time[order])  # a plot is judged when it was true, an estimate now
-    plots = comparison.raw(flight, taken, record.channels, record.z[order], sensors, chart_height)
+    return TrackerErrors(truth, comparison.compare(flight, truth, track.channels, track.mean, cov, sensors), plots)
+
+
+def tracker_metrics(flight: Flight, track: Track, errors: TrackerErrors) -> dict[str, Any]:
+    """The figures of one tracker for metrics.json."""
+    truth, plots = errors.truth, errors.plots
     figures: dict[str, Any] = {"overall": {}, "by_phase": {}}
-    for channel, compared in errors.items():
+    for channel, compared in errors.estimates.items():
         squares = comparison.squared(compared)
         measured = comparison.squared(plots[channel]) if channel in plots else np.full_like(squares, np.nan)
         looked = np.isfinite(measured).any(axis=1) if channel in plots else np.ones(len(squares), bool)
@@ -37,7 +55,7 @@ def tracker_metrics(
             chosen = looked & (truth.phase == index)
             by_phase = figures["by_phase"].setdefault(flight.phases[index], {})
             by_phase[channel] = _figure(squares[chosen], measured[chosen])
-    first = next(iter(errors.values()), None)
+    first = next(iter(errors.estimates.values()), None)
     if first is not None:
         dimension = first.error.shape[1]
         squares = comparison.normalised(first)

@@ -6,16 +6,15 @@ import math
 
 import numpy as np
 
-from aircraft.airframe import load
 from aircraft.errors import TrimError
 from aircraft.state import STANDARD_GRAVITY
 from aircraft.trim import trim
 from aircraft.wind_event import WindEvent
-from sim.flight.preparation import TIME_LIMIT, Prepared
+from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared
 from sim.flight.record import Flight
 from sim.flight.weather import kind_in_words
 from sim.scenario.tables import Runway
-from sim.workers.isolation import apart
+from sim.workers.isolation import run_isolated
 
 AVERAGED = 1000.0  # m of flight through the air; shorter shears pass before they cost energy
 STEP = 20.0  # m, between two looks at a path
@@ -75,10 +74,10 @@ def outlook(prepared: Prepared) -> list[str]:
     if landing is None or all(event is None for event in standing.values()):
         return []
     try:
-        reserve = apart(scenario, TIME_LIMIT, steepest_climb, prepared) + math.sin(scenario.runway.glide_path)
+        climb = run_isolated(scenario, MODEL_TIME_LIMIT, steepest_climb, prepared)
     except TrimError as error:
         return [f"energy against wind events: {error}"]
-    said = []
+    reserve, said = climb + math.sin(scenario.runway.glide_path), []
     for name, event in standing.items():
         if event is None:
             continue
@@ -95,9 +94,9 @@ def steepest_climb(prepared: Prepared) -> float:
 
     Raises ``TrimError`` where the aircraft has no state at all that holds its glide path.
     """
-    choice, landing = prepared.scenario.aircraft, prepared.autopilot.landing
+    landing = prepared.autopilot.landing
     assert landing is not None
-    airframe = load(choice.model, choice.mass, choice.centre_of_gravity_mac, choice.factors)
+    airframe = prepared.airframe.load()
 
     def within(angle: float) -> bool:
         try:

@@ -7,18 +7,17 @@ from typing import Any
 import numpy as np
 
 from sim.flight.interpolation import truth_at
-from sim.flight.record import Flight
+from sim.flight.record import Flight, runs
 from sim.metrics.signals import height_error
 from sim.reporting.figures import style
 from sim.reporting.figures.plan_view import RUNWAY_LENGTH
-from sim.reporting.figures.thinning import runs
 from sim.reporting.text.labels import words
-from sim.reporting.tracker_figures.error_curves import Followed
+from sim.reporting.tracker_figures.error_curves import Shown
 
 MOST_STATES, MOST_ESTIMATES, MOST_PLOTS = 1200, 500, 1000  # of a flight, of each tracker, of each sensor
 
 
-def replay(flight: Flight, scenario: Any, followed: list[Followed], records: dict[str, Any]) -> dict[str, Any] | None:
+def replay(flight: Flight, scenario: Any, followed: list[Shown], records: dict[str, Any]) -> dict[str, Any] | None:
     """Plain lists for the script: metres along (x) and to the right of (y) the final course; None for no time at all.
 
     Heights are above the threshold; ``flown`` is the distance over the ground, the abscissa of the vertical profile.
@@ -136,24 +135,24 @@ def height_of_plots(flight: Flight, sensor: Any, record: Any) -> np.ndarray | No
     return np.asarray(up + np.hypot(true[0] - north, true[1] - east) * np.tan(z["elevation"]))
 
 
-def _estimates(one: Followed, turn: np.ndarray) -> dict[str, Any]:
+def _estimates(one: Shown, turn: np.ndarray) -> dict[str, Any]:
     """Places, 2 sigma ellipses (semi-axes, direction of the longer) and heights of one tracker."""
-    few = np.unique(np.linspace(0, len(one.shown.time) - 1, MOST_ESTIMATES).astype(int))
-    x, y = turn @ one.shown.place[few].T
-    long, short, direction = ellipse(np.einsum("ij,kjl,ml->kim", turn, one.shown.spread[few], turn))
+    few = np.unique(np.linspace(0, len(one.curves.path.time) - 1, MOST_ESTIMATES).astype(int))
+    x, y = turn @ one.curves.path.place[few].T
+    long, short, direction = ellipse(np.einsum("ij,kjl,ml->kim", turn, one.curves.path.spread[few], turn))
     return {
         "name": words(one.name),
         "colour": one.look["color"],
         "dashed": one.look["dashes"] != style.SOLID,
         "law": one.law_from,
-        "t": _listed(one.shown.time[few], 3),
+        "t": _listed(one.curves.path.time[few], 3),
         "x": _listed(x),
         "y": _listed(y),
         "long": _listed(2 * long),
         "short": _listed(2 * short),
         "direction": _listed(direction, 3),
-        "height": _listed(one.shown.height[few]),
-        "spread": _listed(2 * one.shown.height_sigma[few]),
+        "height": _listed(one.curves.path.height[few]),
+        "spread": _listed(2 * one.curves.path.height_sigma[few]),
     }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from sim.estimation.tracking_run import Tracked
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
 
@@ -54,6 +55,24 @@ def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray
             arrays |= {
                 f"{name}.plots.{column}": values for column, values in plot_columns(record, record.candidates).items()
             }
+    return arrays
+
+
+def track_arrays(tracks: dict[str, Tracked]) -> dict[str, np.ndarray]:
+    """Estimates of all draws in single precision (a millimetre), the whole covariance of draw 0."""
+    arrays: dict[str, np.ndarray] = {}
+    for name, one in tracks.items():
+        track = one.track
+        cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
+        with np.errstate(invalid="ignore"):  # a lost track is a result
+            sigma = np.sqrt(np.einsum("kiin->kin", cov))
+        arrays[f"{name}.time_s"] = track.time
+        arrays[f"{name}.channels"] = np.array(track.channels)
+        arrays[f"{name}.mean"] = track.mean.astype(np.float32)
+        arrays[f"{name}.sigma"] = sigma.astype(np.float32)
+        arrays[f"{name}.cov_of_draw_0"] = cov[..., 0]
+        if track.model_probabilities is not None:
+            arrays[f"{name}.model_probabilities"] = track.model_probabilities
     return arrays
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from sim.flight.record import Flight
 from sim.metrics.conformance import foremost, told_in_words
 from sim.reporting.figures.flight import charts
+from sim.reporting.page import rendered, text_of
 from sim.reporting.replay import replay
 from sim.reporting.text.header import first_screen
 from sim.reporting.text.labels import number, words
@@ -28,10 +28,10 @@ from sim.reporting.text.rows import (
 )
 from sim.reporting.text.tracker_tables import tracker_tables
 from sim.reporting.tracker_figures.charts import belief_charts, error_charts
-from sim.reporting.tracker_figures.error_curves import follow
+from sim.reporting.tracker_figures.error_curves import shown_trackers
 from sim.reporting.tracker_figures.model_probabilities import mode_names
 from sim.scenario.toml_writer import dumps
-from sim.workers.helper_process import ALONE, SecondProcess
+from sim.workers.sharing import current
 
 
 def write(
@@ -45,8 +45,6 @@ def write(
     timing: dict[str, float],
     tracked: dict[str, Any] | None = None,
     records: dict[str, Any] | None = None,
-    built: dict[str, Any] | None = None,
-    second: SecondProcess = ALONE,
 ) -> Path:
     """Write the report of one run; the file needs nothing but a browser.
 
@@ -55,25 +53,24 @@ def write(
     scenario : the resolved Scenario        flight : the first flight        law : the law that flew
     metrics : as in metrics.json            versions, timing : name -> version, name -> s
     tracked, records : name -> Tracked, name -> SensorRecord of the first flight
-    built : name -> tracker, which knows what its models are called
-    second : another process that draws a part of the figures
     """
-    flight_charts = second.later(charts, flight, scenario, law)
+    flight_charts = current().later(charts, flight, scenario, law)
     trackers, tracked, records = metrics.get("trackers") or {}, tracked or {}, records or {}
     modes = {
-        name: mode_names((built or {}).get(name), one.track.model_probabilities.shape[1])
+        name: mode_names(one.tracker, one.track.model_probabilities.shape[1])
         for name, one in tracked.items()
         if one.track.model_probabilities is not None
     }
-    alert = foremost(built or {}, tracked)
+    alert = foremost(tracked)
     believing = {name: tracked[name] for name in modes}
-    beliefs = second.later(belief_charts, scenario, flight, trackers, believing, modes, alert)
-    followed = [one for one in follow(scenario, flight, tracked) if one.curves]
-    errors = error_charts(scenario, flight, trackers, followed, records)
-    script = _file("replay.js")
+    beliefs = current().later(belief_charts, scenario, flight, trackers, believing, modes, alert)
+    shown = shown_trackers(scenario, tracked)
+    errors = error_charts(scenario, flight, trackers, shown, records)
+    script = text_of("replay.js")
     equations, papers, errata = sources(what_ran(scenario, law))
-    page = _template().render(
-        **first_screen(scenario, flight, metrics, followed),
+    page = rendered(
+        "report.html",
+        **first_screen(scenario, flight, metrics, shown),
         conformance=told_in_words(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
         charts=flight_charts(),
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
@@ -86,7 +83,7 @@ def write(
         spread=spread_rows(metrics.get("flights_summary", {})),
         trackers=tracker_tables(trackers) if trackers else [],
         tracker_charts=[*errors, *beliefs()],
-        replay=replay(flight, scenario, followed, records),
+        replay=replay(flight, scenario, shown, records),
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
         draws=metrics.get("draws"),
@@ -101,18 +98,3 @@ def write(
     )
     path.write_text(page, encoding="utf-8")
     return path
-
-
-def _template() -> Any:
-    import jinja2
-
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
-    return environment.from_string(_file("report.html"))
-
-
-def _file(name: str) -> str:
-    """The text of a file beside this one."""
-    return (resources.files("sim.reporting.templates") / name).read_text(encoding="utf-8")

@@ -174,7 +174,7 @@ class AutopilotTable:
     bank_limit: Annotated[float, "rad"] = math.radians(15.0)
     roll_rate_limit: Annotated[float, "rad/s"] = math.radians(5.0)
     navigation: str = "truth"
-    estimate_lag: Annotated[float, "s"] = 0.0  # of the cross-track rate that it navigates on; the law stands twice that
+    estimate_lag: Annotated[float, "s"] = 0.0  # of the cross-track rate that it is flown on; the law tolerates twice it
     allow_orbit: bool = False
     gate_height: Annotated[float, "m"] = 300.0  # below it an approach that is not stabilised goes around
     frequency_share: float | None = None  # natural frequency of the law over the bank loop's; absent = designed

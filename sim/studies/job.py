@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import json
 from pathlib import Path
@@ -11,8 +12,6 @@ from sim import experiment
 from sim.errors import ScenarioError
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Flight
-from sim.metrics.checks import evaluate_checks
-from sim.metrics.flight import flight_metrics
 from sim.scenario.reading import override
 from sim.studies import flight_cache
 
@@ -35,9 +34,18 @@ def fly(job: Job) -> dict[str, Any]:
     """The record of one flight; a flight that cannot begin is a record too."""
     try:
         prepared = _prepared(json.dumps(job.tables), json.dumps(job.drawn))
-        return _record(job, *_judged(prepared, job.flight, _flight(prepared, job)))
+        return _evaluated(job, prepared)
     except ScenarioError as error:
         return lost(job, str(error))
+
+
+def _evaluated(job: Job, prepared: Prepared) -> dict[str, Any]:
+    found = experiment.evaluate(prepared, _flight(prepared, job), job.flight)
+    metrics = found.flight
+    if prepared.scenario.trackers:
+        metrics |= {"trackers": found.trackers, "navigated": found.navigated}
+    kept = ("value", "margin", "time_s", "passed")
+    return _record(job, metrics, [{key: check[key] for key in kept} for check in found.checks])
 
 
 def lost(job: Job, reason: str) -> dict[str, Any]:
@@ -66,7 +74,10 @@ def _record(job: Job, metrics: dict[str, Any], checks: list[dict[str, Any]]) -> 
 @functools.lru_cache(maxsize=1)
 def _prepared(tables: str, drawn: str) -> Prepared:
     """Flights of one sample come in a row and share their preparation."""
-    return prepare(experiment.read(with_values(json.loads(tables), json.loads(drawn))))
+    scenario = experiment.read(with_values(json.loads(tables), json.loads(drawn)))
+    if not scenario.trackers:
+        scenario = dataclasses.replace(scenario, sensors={})  # nobody listens to them
+    return prepare(scenario)
 
 
 def _flight(prepared: Prepared, job: Job) -> Flight:
@@ -79,22 +90,3 @@ def _flight(prepared: Prepared, job: Job) -> Flight:
         flight = experiment.fly(prepared, job.flight)
         flight_cache.store(place, name, flight)
     return flight
-
-
-def _judged(prepared: Prepared, number: int, flight: Flight) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """Figures and checks of a flight that its trackers watch."""
-    from sim.estimation.tracking_run import track
-    from sim.metrics.navigation import navigated
-    from sim.observation.record import observe
-
-    scenario = prepared.scenario
-    metrics = flight_metrics(flight, scenario.runway, prepared.law.bank_limit)
-    if scenario.trackers:
-        records = observe(flight, scenario.sensors, scenario.seed, number, scenario.draws)
-        tracks, metrics["trackers"] = track(prepared, flight, records, {}, number)
-        name = scenario.autopilot.navigation
-        followed = tracks[name].track if name in tracks else None
-        metrics["navigated"] = navigated(prepared, flight, followed, metrics["trackers"].get(name, {}))
-    judged = evaluate_checks(scenario.checks, flight, scenario.runway, metrics)
-    kept = ("value", "margin", "time_s", "passed")
-    return metrics, [{key: check[key] for key in kept} for check in judged]

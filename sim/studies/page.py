@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib import resources
 from typing import Any
 
 from sim.reporting.figures import style
+from sim.reporting.page import rendered
 from sim.reporting.text.labels import ABSENT, words
 from sim.scenario.toml_writer import dumps
 from sim.studies.figures import figure_of, study_charts
@@ -17,39 +17,30 @@ MOST_ROWS = 500  # of the table on the page; metrics.json has them all
 
 def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any]]) -> str:
     """The text of report.html, from metrics.json and the sorted log."""
-    import jinja2
-
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    template = environment.from_string(
-        (resources.files("sim.reporting.templates") / "study.html").read_text(encoding="utf-8")
-    )
     shown = shown_metrics(scenario, metrics)
     with style.drawing():
         charts = study_charts(scenario, metrics, records, shown)
     predicted = predicted_figures(scenario, metrics["rows"][:MOST_ROWS])
     failed = [check["name"] for check in metrics["checks"] if check["passed"] is False]
     ended = ", ".join(f"{count} {words(name)}" for name, count in sorted(metrics["outcomes"].items()))
-    return str(
-        template.render(
-            name=scenario.name,
-            sentence=f"{metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}.",
-            good=not failed and "crashed" not in metrics["outcomes"],
-            failed=failed,
-            charts=charts,
-            checks=[_check(check) for check in metrics["checks"]],
-            axes=[_axis(address, axis) for address, axis in metrics["axes"].items()],
-            heads=[*metrics["axes"], "flights", "outcomes", *shown, *(f"{name} by theory" for name in predicted)],
-            rows=[
-                [*_row(row, metrics["axes"], shown), *(_value(column[i]) for column in predicted.values())]
-                for i, row in enumerate(metrics["rows"][:MOST_ROWS])
-            ],
-            left_out=max(0, len(metrics["rows"]) - MOST_ROWS),
-            seed=metrics["seed"],
-            versions=sorted(metrics["versions"].items()),
-            scenario_text=dumps(scenario.tables),
-        )
+    return rendered(
+        "study.html",
+        name=scenario.name,
+        sentence=f"{metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}.",
+        good=not failed and "crashed" not in metrics["outcomes"],
+        failed=failed,
+        charts=charts,
+        checks=[_check(check) for check in metrics["checks"]],
+        axes=[_axis(address, axis) for address, axis in metrics["axes"].items()],
+        heads=[*metrics["axes"], "flights", "outcomes", *shown, *(f"{name} by theory" for name in predicted)],
+        rows=[
+            [*_row(row, metrics["axes"], shown), *(_value(column[i]) for column in predicted.values())]
+            for i, row in enumerate(metrics["rows"][:MOST_ROWS])
+        ],
+        left_out=max(0, len(metrics["rows"]) - MOST_ROWS),
+        seed=metrics["seed"],
+        versions=sorted(metrics["versions"].items()),
+        scenario_text=dumps(scenario.tables),
     )
 
 

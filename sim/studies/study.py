@@ -19,8 +19,7 @@ from sim.scenario.budget import available_memory
 from sim.scenario.toml_writer import dumps
 from sim.studies import flight_cache
 from sim.studies import folder as folders
-from sim.studies import job as ensemble
-from sim.studies.job import Job
+from sim.studies.job import Job, fly, lost
 from sim.studies.metrics import study_metrics
 from sim.studies.plan import Study, designed_cells, plan, read_text
 from sim.versions import versions
@@ -105,7 +104,7 @@ def _fly_all(
             if (cell, sample, flight) not in records
         ]
         for number, job in enumerate(waiting):
-            executor.submit(number, ensemble.fly, job)
+            executor.submit(number, fly, job)
         ended: Any = executor.finished()
         if progress is not None and waiting:
             ended = progress(ended, len(waiting), "flights")
@@ -113,7 +112,7 @@ def _fly_all(
             with folders.appending(folder) as append:
                 for number, result in ended:
                     job = waiting[number]
-                    record = ensemble.lost(job, result.reason) if isinstance(result, Lost) else result
+                    record = lost(job, result.reason) if isinstance(result, Lost) else result
                     append(record)
                     records[_key(record)] = record
         finally:

@@ -110,17 +110,18 @@ def energy_border(law: Any, scenario: Scenario, places: np.ndarray) -> np.ndarra
     Through the air the energy height changes by V ((thrust - drag) / weight - F), and on the glide path it must fall by
     V sin(glide path): no power holds both once F, over a kilometre, exceeds the steepest climb and the glide path.
     """
-    from sim.flight.preparation import TIME_LIMIT, prepare
+    from sim.flight.preparation import MODEL_TIME_LIMIT, prepare
     from sim.metrics.windshear import steepest_climb, worst_on_the_glide_path
-    from sim.workers.isolation import apart
+    from sim.workers.isolation import run_isolated
 
     prepared = prepare(scenario)
     landing = prepared.autopilot.landing
     assert landing is not None
     try:
-        reserve = apart(scenario, TIME_LIMIT, steepest_climb, prepared) + math.sin(scenario.runway.glide_path)
+        climb = run_isolated(scenario, MODEL_TIME_LIMIT, steepest_climb, prepared)
     except TrimError:
         return np.zeros(len(places))  # it cannot hold its glide path in still air
+    reserve = climb + math.sin(scenario.runway.glide_path)
     table = override(scenario.tables["wind"]["events"]["burst"], "peak_mps", 1.0)
     cls = type(scenario.wind.events["burst"])
 
@@ -167,11 +168,11 @@ def _limited_loop(scenario: Scenario, bank: float) -> LimitedLoop:
 @functools.lru_cache(maxsize=64)
 def _limited_loop_of(tables: str) -> LimitedLoop:
     from sim.flight.linear_model import scenario_loop
-    from sim.flight.preparation import TIME_LIMIT, prepare
-    from sim.workers.isolation import apart
+    from sim.flight.preparation import MODEL_TIME_LIMIT, prepare
+    from sim.workers.isolation import run_isolated
 
     scenario = read({key: value for key, value in json.loads(tables).items() if value is not None})
-    loop = apart(scenario, TIME_LIMIT, scenario_loop, prepare(scenario))
+    loop = run_isolated(scenario, MODEL_TIME_LIMIT, scenario_loop, prepare(scenario))
     return limited_loop(loop, scenario.autopilot.bank_limit, scenario.autopilot.roll_rate_limit)
 
 

@@ -1,5 +1,5 @@
 """Processes: ``executors`` for many flights here, ``cluster`` for a Dask cluster behind the same three calls.
 
-``isolation`` is a child for models that may abort or hang, ``helper_process`` a second process that takes a part of a
-run; ``blas`` gives each of them one thread.
+``helper_process`` is another process that does one call after another: ``isolation`` has it load models that may abort
+or hang, ``sharing`` has it take a part of a run. ``blas`` gives each process one thread.
 """

@@ -20,7 +20,7 @@ from sim.workers.blas import THREADS
 
 ATTEMPTS = 3  # a flight whose worker aborts as often is at fault itself
 KILLS = 30  # a worker that is killed from outside is not its flight's fault, unless it happens this often
-TIME_LIMIT = 600.0  # s; the longest flight of 1800 s takes a small part of it
+FLIGHT_TIME_LIMIT = 600.0  # s; the longest flight of 1800 s takes a small part of it
 MEMORY_LIMIT = 4 << 30  # bytes of address space of one worker
 
 
@@ -46,9 +46,11 @@ class Executor(Protocol):
         ...
 
 
-def prepare_worker(memory_limit: int) -> None:
-    """What every worker does first: Ctrl-C is the parent's affair, and memory has an end."""
+def prepare_worker(memory_limit: int | None) -> None:
+    """What every worker does first: Ctrl-C is the parent's affair, and memory has an end where one is given."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if memory_limit is None:
+        return
     try:
         import resource
     except ImportError:  # not a Unix
@@ -77,7 +79,7 @@ class LocalExecutor:
     """
 
     workers: int = 1
-    time_limit: float = TIME_LIMIT
+    time_limit: float = FLIGHT_TIME_LIMIT
     memory_limit: int = MEMORY_LIMIT
     _waiting: deque[Job] = field(default_factory=deque, repr=False)
     _running: dict[Future[Any], tuple[Any, Job]] = field(default_factory=dict, repr=False)

@@ -1,152 +1,125 @@
-"""A second process that takes a part of the work: trackers and figures of a run, claims of a ledger.
+"""Another Python process that does one call after another, within limits of time and memory where it is told some.
 
-Whatever it is asked for is the same when it is done here instead, and is done here where there is no second processor
-or the process is lost.
+Both processes run the same code and exchange pickles. The helper ends with its parent, and by itself where a call is
+too much for it; who called is then told how it ended, and nothing else is lost with it.
 """
 
 from __future__ import annotations
 
-import multiprocessing
+import contextlib
 import os
+import pickle
 import signal
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
-from queue import SimpleQueue
+import subprocess
+import sys
+import threading
+import traceback
+from collections.abc import Callable
+from tempfile import TemporaryDirectory
 from typing import Any
+
+from sim.workers.blas import THREADS
+from sim.workers.executors import prepare_worker
+
+MARK = "SHORTFINAL_HELPER"  # set in a helper's environment
+START = "import sys; sys.path[:] = {path!r}; from sim.workers.helper_process import serve; serve({limit!r})"
 
 
 class Lost(Exception):
-    """The second process is gone, and what it was asked for with it."""
+    """A helper that is gone, how it ended, and whether that was because it gave no answer in time."""
+
+    def __init__(self, ending: str, late: bool) -> None:
+        super().__init__(ending)
+        self.ending, self.late = ending, late
 
 
-class SecondProcess:
-    """Calls in another process, one after the other, or in this one where there is no other."""
+class HelperProcess:
+    """A process, and the two pipes to it."""
 
-    def __init__(self, there: bool = False) -> None:
-        self.process: Any = None
-        if there:
-            context = multiprocessing.get_context("spawn")
-            calls, self._calls = context.Pipe(duplex=False)  # two pipes: one for both ways would be a socket
-            self._answers, answers = context.Pipe(duplex=False)
-            self._thread = ThreadPoolExecutor(1)  # waits for the answers
-            self.process = context.Process(target=_serve, args=(calls, answers), daemon=True)
-            self.process.start()
-            answers.close()  # so that its death is heard
-            calls.close()
+    def __init__(self, memory_limit: int | None = None) -> None:
+        """Start it; with a limit of its memory (bytes) it is one for risky work, of which it may die at any time.
 
-    def stop(self) -> None:
-        """End the process at once, whatever it does."""
-        if self.process is not None:
+        Such a one keeps to itself what C++ says when it aborts, and what it leaves behind. Raises ``OSError`` where no
+        process can be started.
+        """
+        risky = memory_limit is not None
+        self.folder = TemporaryDirectory(prefix="shortfinal-") if risky else None
+        temporary = dict.fromkeys(("TMPDIR", "TEMP", "TMP"), self.folder.name) if self.folder is not None else {}
+        self.process = subprocess.Popen(
+            [sys.executable, "-P", "-c", START.format(path=sys.path, limit=memory_limit)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL if risky else None,
+            env={**dict.fromkeys(THREADS, "1"), **os.environ, **temporary, MARK: "1"},
+        )
+
+    def call(self, function: Callable[..., Any], *arguments: Any, time_limit: float | None = None) -> Any:
+        """``function(*arguments)`` over there; raises what it raises, and ``Lost``: then the helper is no more."""
+        work = pickle.dumps((function, arguments), pickle.HIGHEST_PROTOCOL)
+        to, back, late = self.process.stdin, self.process.stdout, threading.Event()
+        assert to is not None
+        assert back is not None
+
+        def too_late() -> None:
+            late.set()
             self.process.kill()
-            self.process.join()
-            self._thread.shutdown(cancel_futures=True)
 
-    def _call(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        timer = threading.Timer(time_limit or 0.0, too_late)
+        timer.daemon = True
+        if time_limit is not None:
+            timer.start()
         try:
-            self._calls.send((function, arguments))
-            good, answer = self._answers.recv()
-        except (EOFError, OSError):
-            raise Lost from None
-        if not good:
+            to.write(work)
+            to.flush()
+            is_done, answer = pickle.load(back)
+        except (EOFError, OSError, ValueError, pickle.UnpicklingError):  # ValueError: a pipe that is closed already
+            raise Lost(self.end(), late.is_set()) from None
+        except BaseException:
+            self.end()
+            raise
+        finally:
+            timer.cancel()
+        if not is_done:
             raise answer
         return answer
 
-    def later(self, function: Callable[..., Any], *arguments: Any) -> Callable[[], Any]:
-        """Begin a call there, at once; what is returned gives its result, and makes it here where it must."""
-        begun: Future[Any] | None = None
-        if self.process is not None:
-            begun = self._thread.submit(self._call, function, *arguments)
-
-        def result() -> Any:
-            if begun is not None:
-                try:
-                    return begun.result()
-                except Lost:
-                    pass
-            return function(*arguments)
-
-        return result
-
-    def as_done(self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
-        """Number and result of a function for several arguments, as each ends.
-
-        This process begins with the first call, the other with the last. Raises what the function raises.
-        """
-        waiting = deque(enumerate(calls))
-        done: SimpleQueue[tuple[int, Any]] = SimpleQueue()
-
-        def there() -> None:
-            while (call := _taken(waiting.pop)) is not None:
-                try:
-                    done.put((call[0], self._call(function, *call[1])))
-                except Lost:
-                    waiting.append(call)
-                    return
-
-        def here() -> Iterator[tuple[int, Any]]:
-            while (call := _taken(waiting.popleft)) is not None:
-                yield call[0], function(*call[1])
-                while not done.empty():
-                    yield done.get()
-
-        if self.process is not None:
-            fed = self._thread.submit(there)
-            try:
-                yield from here()
-                fed.result()
-            except BaseException as error:
-                waiting.clear()  # nothing more is begun there
-                if not isinstance(error, Exception):
-                    self.process.kill()  # stopped: its last call is not waited for
-                raise
-        while not done.empty():
-            yield done.get()
-        yield from here()  # all of it, or what a lost process has left
-
-    def shared(self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> list[Any]:
-        """The results of `as_done` in the order of the calls."""
-        found = dict(self.as_done(function, calls))
-        return [found[number] for number in range(len(calls))]
+    def end(self) -> str:
+        """End it, whatever it does; how it had ended by itself where it had."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(0.2)  # one that is dying says of what
+        self.process.kill()
+        code = self.process.wait()
+        for pipe in (self.process.stdin, self.process.stdout):
+            if pipe is not None:
+                with contextlib.suppress(OSError):
+                    pipe.close()
+        if self.folder is not None:
+            self.folder.cleanup()
+        with contextlib.suppress(ValueError):
+            return signal.Signals(-code).name
+        return f"exit code {code}"
 
 
-ALONE = SecondProcess()
+def is_helper() -> bool:
+    """Whether this process is one itself."""
+    return MARK in os.environ
 
 
-def _taken(end: Callable[[], Any]) -> Any:
-    """A call from one end of those that wait; None when there is none."""
-    try:
-        return end()
-    except IndexError:
-        return None
-
-
-@contextmanager
-def second_process(worth_it: bool = True, ready: Callable[[], None] | None = None) -> Iterator[SecondProcess]:
-    """One that first gets ``ready``; none where it is not worth it or there is no second processor."""
-    if not worth_it or len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(2)) < 2:
-        yield ALONE
-        return
-    second = SecondProcess(there=True)
-    try:
-        if ready is not None:
-            second.later(ready)
-        yield second
-    finally:
-        second.stop()
-
-
-def _serve(calls: Any, answers: Any) -> None:
-    """In the second process: answer call after call, until the first one is gone."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the first process's affair
+def serve(memory_limit: int | None) -> None:
+    """Do what comes through standard input, one call after another, until it closes."""
+    answers = os.fdopen(os.dup(1), "wb")
+    silence = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(silence, 1)  # whatever a model prints is not an answer
+    prepare_worker(memory_limit)
     while True:
         try:
-            function, arguments = calls.recv()
+            function, arguments = pickle.load(sys.stdin.buffer)
         except EOFError:
             return
         try:
-            answer = True, function(*arguments)
-        except Exception as error:  # the caller gets it as if it had called the function itself
-            answer = False, error
-        answers.send(answer)
+            answer = (True, function(*arguments))
+        except Exception as error:  # whatever it is, the caller gets it as if it had called the function itself
+            error.add_note(traceback.format_exc())
+            answer = (False, error)
+        pickle.dump(answer, answers, pickle.HIGHEST_PROTOCOL)
+        answers.flush()

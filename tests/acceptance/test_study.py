@@ -188,8 +188,8 @@ def test_soak(row):
 
 
 def test_plugin(row):
-    """The foreign project of tests/sim/test_plugin.py, with nothing of ours but the wheel."""
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "tests/sim/test_plugin.py"]
+    """The foreign project of tests/sim/test_pytest_plugin.py, with nothing of ours but the wheel."""
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "tests/sim/test_pytest_plugin.py"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     told = done.stdout.strip().splitlines()[-1]
     asked = "collected; passing and failing checks shown; a broken file is one collection error with file and key"

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from aircraft.state import AircraftState
-from autopilot.approach import PHASES, Approach, navigated
+from autopilot.approach import PHASES, Approach, with_estimated_position
 from autopilot.landing import Landing
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, Route, pattern_route
@@ -208,7 +208,9 @@ def test_aircraft_flown_on_an_estimate_settles_where_the_estimate_says_zero():
     s = approach.begin(read(x, (0.0, 0.0)))
     while not s.finished:
         state = read(x, (0.0, 0.0))
-        believed = navigated(state, state.north, state.east + 50.0, state.velocity_north, state.velocity_east)
+        believed = with_estimated_position(
+            state, state.north, state.east + 50.0, state.velocity_north, state.velocity_east
+        )
         s, command = approach.step(s, believed, DT)
         x = move(x, command, (0.0, 0.0))
     assert x[2] == pytest.approx(-50.0, abs=0.5)

@@ -14,7 +14,7 @@ from autopilot.inner_loops import InnerLoops
 from autopilot.landing import Landing
 from autopilot.route import Leg, Route, pattern_route
 from autopilot.stabilised_gate import StabilisedGate
-from sim.flight.vehicles import Configuration, Initial, JsbsimVehicle, designed
+from sim.flight.vehicles import AirframeChoice, Configuration, Initial, JsbsimVehicle, designed
 
 BANK = math.radians(15.0)
 AN26 = (Configuration(math.radians(15.0), 0.0, 60.0, 73.0), Configuration(math.radians(38.0), 1.0, 56.0, 70.0))
@@ -23,7 +23,7 @@ WHEELS = 2.45  # m, of the An-26 below its centre of gravity
 
 @cache
 def design_of(model, mass, configurations, speed):
-    return designed(configurations, speed, BANK, 500.0, model, mass)
+    return designed(AirframeChoice(model, mass), configurations, speed=speed, bank_limit=BANK, height=500.0)
 
 
 def an26():
@@ -54,7 +54,7 @@ def capture(model, mass, configuration, speed, offset, limit):
     route = Route((Leg((0.0, 0.0), (60e3, 0.0), speed, 500.0),))
     approach = Approach(route, gains.law, flaps=configuration.flaps, gear=configuration.gear)
     initial = Initial(0.0, offset, 500.0, 0.0, speed, 0.0, configuration.flaps, configuration.gear)
-    return gains, fly(JsbsimVehicle(gains, model, mass), approach, initial, None, limit)
+    return gains, fly(JsbsimVehicle(gains, AirframeChoice(model, mass)), approach, initial, None, limit)
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +109,7 @@ def test_capture_from_the_left_mirrors_the_capture_from_the_right(an26_capture):
 
 def test_loops_begin_without_moving_a_trimmed_control():
     gains = an26()
-    vehicle = JsbsimVehicle(gains, "an26", 20000.0)
+    vehicle = JsbsimVehicle(gains, AirframeChoice("an26", 20000.0))
     body = vehicle.begin(Initial(0.0, 0.0, 400.0, 0.0, 69.0, 0.0, math.radians(15.0), 0.0), None)
     state = vehicle.read(body)
     loops = InnerLoops(gains)
@@ -128,7 +128,7 @@ def land(wind=None, landing=None, distance=9500.0):
     route = pattern_route("left", 400.0, 7000.0, 13800.0, 72.0, 69.0, 300.0, 0.0, told)
     approach = Approach(route, gains.law, landing)
     initial = Initial(300.0 - distance, 0.0, 400.0, 0.0, 69.0, 0.0, math.radians(15.0), 0.0, 2)
-    return fly(JsbsimVehicle(gains, "an26", 20000.0), approach, initial, wind)
+    return fly(JsbsimVehicle(gains, AirframeChoice("an26", 20000.0)), approach, initial, wind)
 
 
 def touchdown(record):
@@ -194,7 +194,7 @@ def test_turn_onto_final_ends_on_it(from_deg, speed, most):
     route = pattern_route("left", 400.0, 7000.0, 13800.0, 72.0, 69.0, 300.0, 0.0, wind[:2], lead)
     approach = Approach(route, gains.law, Landing(wheel_height=WHEELS))
     initial = Initial(-13500.0, -3600.0, 400.0, math.pi / 2, 72.0, 0.0, math.radians(15.0), 0.0, 1)
-    record = fly(JsbsimVehicle(gains, "an26", 20000.0), approach, initial, wind, 130.0)
+    record = fly(JsbsimVehicle(gains, AirframeChoice("an26", 20000.0)), approach, initial, wind, 130.0)
     on_final = [approach.deviation(2, state).cross_track for state, s, _ in record if s.leg == 2]
     assert on_final[0] < -1400.0
     assert max(on_final) < most

@@ -6,15 +6,23 @@ import pytest
 
 from aircraft.state import Command
 from aircraft.wind import steady_wind
-from sim.flight.vehicles import Configuration, Initial, JsbsimVehicle, PointMassVehicle, designed, designed_point_mass
+from sim.flight.vehicles import (
+    AirframeChoice,
+    Configuration,
+    Initial,
+    JsbsimVehicle,
+    PointMassVehicle,
+    designed,
+    designed_point_mass,
+)
 
 FLAPS = math.radians(15.0)
 
 
 @pytest.fixture(scope="module")
 def an26():
-    gains = designed([Configuration(FLAPS, 0.0, 66.0, 74.0)], 72.0, math.radians(15.0), 400.0, "an26", 20000.0)
-    return JsbsimVehicle(gains, "an26", 20000.0)
+    choice, flown = AirframeChoice("an26", 20000.0), Configuration(FLAPS, 0.0, 66.0, 74.0)
+    return JsbsimVehicle(designed(choice, [flown], speed=72.0, bank_limit=math.radians(15.0), height=400.0), choice)
 
 
 def vehicle(kind, an26):

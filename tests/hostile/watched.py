@@ -15,7 +15,7 @@ HERE = Path(__file__).resolve().parent
 WATCH = HERE / "watch"
 ROOT = HERE.parents[1]
 OWN_PROCESSES = re.compile(  # the others are asked by Python's platform module and by matplotlib, which seeks fonts
-    r"from sim\.workers\.isolation import serve|^uname -p$|^fc-list "
+    r"from sim\.workers\.helper_process import serve|^uname -p$|^fc-list "
 )
 
 

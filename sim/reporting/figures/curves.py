@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.record import Flight
+from sim.flight.record import Flight, runs
 from sim.reporting.figures import style
-from sim.reporting.figures.thinning import peaks, runs
+from sim.reporting.figures.thinning import peaks
 from sim.reporting.text.labels import words
 
 CHARACTER = 0.047  # in, width of a character of the strip's text

@@ -9,11 +9,10 @@ import numpy as np
 
 from autopilot.mode import LimitedInput, Mode
 from autopilot.route import PathDeviation
-from sim.flight.record import Flight
+from sim.flight.record import Flight, runs
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase
 from sim.reporting.figures.deviations import COMPONENTS
-from sim.reporting.figures.thinning import runs
 
 GRID = 121  # points a side; the law is piecewise linear, so its edges are exact but for the corners
 UNLIMITED = 1e6  # rad, a bank limit that no command reaches

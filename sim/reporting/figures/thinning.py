@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
-from typing import Any
-
 import numpy as np
+
+from sim.flight.record import runs
 
 MOST = 500  # stretches in one picture
 
@@ -27,16 +26,6 @@ def peaks(values: np.ndarray, bins: int = 500) -> np.ndarray:
     low = start + np.argmin(np.where(hidden, np.inf, table), axis=1)
     high = start + np.argmax(np.where(hidden, -np.inf, table), axis=1)
     return np.unique(np.concatenate((low, high, [0, count - 1])))
-
-
-def runs(values: Any) -> list[tuple[int, int]]:
-    """(first, one past last) of every unbroken stretch of equal values."""
-    values = np.asarray(values)
-    if not len(values):
-        return []
-    edges = np.flatnonzero(values[1:] != values[:-1]) + 1
-    bounds = [0, *edges.tolist(), len(values)]
-    return list(itertools.pairwise(bounds))
 
 
 def where(mask: np.ndarray) -> list[tuple[int, int]]:

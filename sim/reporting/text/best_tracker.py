@@ -8,13 +8,13 @@ import numpy as np
 
 from sim.flight.record import Flight
 from sim.reporting.text.labels import column, number, split, words
-from sim.reporting.tracker_figures.error_curves import Followed
+from sim.reporting.tracker_figures.error_curves import Shown
 
 PLACES = {"cross_track_m": "across track", "position_m": "of position", "height_m": "of height"}
 TOO_SURE = 1.5  # ANEES beyond which a winner is told to be too sure of itself
 
 
-def who_won(flight: Flight, trackers: dict[str, Any], followed: list[Followed]) -> str:
+def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown]) -> str:
     """The best of those that saw the same measurements; empty where nothing was tracked.
 
     ``trackers`` as in metrics.json. Ratios are of root mean square errors over common draws; two trackers are alike
@@ -33,31 +33,31 @@ def who_won(flight: Flight, trackers: dict[str, Any], followed: list[Followed]) 
         told.append(f"yet it is too sure of itself (ANEES {number(float(figures['anees']), 1)})")
     if figures.get("lost_fraction"):
         told.append(f"it lost {number(100.0 * figures['lost_fraction'], 1)} % of the draws")
-    if others and best.draws == 1:
+    if others and best.curves.draws == 1:
         told.append("one draw does not tell a lead from chance")
     return "; ".join(part for part in told if part) + "."
 
 
-def _contest(trackers: dict[str, Any], followed: list[Followed]) -> tuple[str, list[Followed]]:
+def _contest(trackers: dict[str, Any], followed: list[Shown]) -> tuple[str, list[Shown]]:
     """The channel that is judged and, best first, whoever has it from the sensors that most trackers listen to."""
-    able: list[Followed] = []
-    for channel in (*PLACES, *dict.fromkeys(c for one in followed for c in one.curves)):
+    able: list[Shown] = []
+    for channel in (*PLACES, *dict.fromkeys(c for one in followed for c in one.curves.channels)):
         able = [one for one in followed if _rmse(trackers, channel, one) is not None]
         if able:
             break
-    groups: dict[tuple[str, ...], list[Followed]] = {}
+    groups: dict[frozenset[str], list[Shown]] = {}
     for one in able:
-        groups.setdefault(one.sensors, []).append(one)
+        groups.setdefault(one.curves.sensors, []).append(one)
     rivals = max(groups.values(), key=len, default=[])
     return channel if able else "", sorted(rivals, key=lambda one: _rmse(trackers, channel, one) or np.inf)
 
 
-def _rmse(trackers: dict[str, Any], channel: str, one: Followed) -> float | None:
+def _rmse(trackers: dict[str, Any], channel: str, one: Shown) -> float | None:
     value = ((trackers.get(one.name) or {}).get("overall") or {}).get(channel, {}).get("rmse")
-    return float(value) if value is not None and np.isfinite(value) and channel in one.curves else None
+    return float(value) if value is not None and np.isfinite(value) and channel in one.curves.channels else None
 
 
-def _head(trackers: dict[str, Any], channel: str, best: Followed, rivals: list[Followed]) -> str:
+def _head(trackers: dict[str, Any], channel: str, best: Shown, rivals: list[Shown]) -> str:
     figures = trackers[best.name]["overall"][channel]
     name, unit = split(channel)
     where = PLACES.get(channel, f"in {name.replace(':', '')}")
@@ -73,15 +73,15 @@ def _head(trackers: dict[str, Any], channel: str, best: Followed, rivals: list[F
     return f"{text}, worse than the raw measurements ({shown[1]} {unit})"
 
 
-def _ratio(channel: str, one: Followed, best: Followed) -> tuple[float, bool]:
+def _ratio(channel: str, one: Shown, best: Shown) -> tuple[float, bool]:
     """(error of ``one`` over that of ``best``, whether noise explains it), over common draws."""
     from tracking.intervals import gain
 
-    found = gain(one.curves[channel].of_draws, best.curves[channel].of_draws)
+    found = gain(one.curves.channels[channel].of_draws, best.curves.channels[channel].of_draws)
     return found.value, bool(found.low <= 1.0 <= found.high)
 
 
-def _behind(flight: Flight, channel: str, best: Followed, others: list[Followed]) -> str:
+def _behind(flight: Flight, channel: str, best: Shown, others: list[Shown]) -> str:
     """Who is as good, and how far and where the next one falls behind."""
     ratios = {one.name: _ratio(channel, one, best) for one in others}
     alike = [words(one.name) for one in others if ratios[one.name][1]]
@@ -94,17 +94,18 @@ def _behind(flight: Flight, channel: str, best: Followed, others: list[Followed]
     return ", ".join(told)
 
 
-def _where(flight: Flight, channel: str, best: Followed, other: Followed) -> str:
+def _where(flight: Flight, channel: str, best: Shown, other: Shown) -> str:
     """The phase in which most of the excess of squared error was made."""
-    if len(best.time) != len(other.time):
+    if len(best.curves.time) != len(other.curves.time):
         return ""
-    excess = other.curves[channel].rmse ** 2 - best.curves[channel].rmse ** 2
-    sums = {flight.phases[int(p)]: float(np.nansum(excess[best.phase == p])) for p in np.unique(best.phase)}
+    excess = other.curves.channels[channel].rmse ** 2 - best.curves.channels[channel].rmse ** 2
+    phase = best.curves.phase
+    sums = {flight.phases[int(p)]: float(np.nansum(excess[phase == p])) for p in np.unique(phase)}
     worst = max(sums, key=lambda name: sums[name])
     return f", most of it during {words(worst)}" if len(sums) > 1 and sums[worst] > 0.0 else ""
 
 
-def _law(trackers: dict[str, Any], channel: str, best: Followed, others: list[Followed]) -> list[str]:
+def _law(trackers: dict[str, Any], channel: str, best: Shown, others: list[Shown]) -> list[str]:
     """What the law was worth: against the best that is told nothing of it, and told wrong."""
     told = []
     informed = best.law_from is not None

@@ -11,14 +11,14 @@ from sim.flight import weather
 from sim.flight.record import Flight
 from sim.metrics import table
 from sim.metrics.flight import figure
-from sim.reporting.text.best_tracker import who_won
+from sim.reporting.text.best_tracker import best_tracker
 from sim.reporting.text.labels import number, unit, words
 from sim.reporting.text.outcome_sentence import what_happened
 from sim.reporting.text.rows import check_name
-from sim.reporting.tracker_figures.error_curves import Followed
+from sim.reporting.tracker_figures.error_curves import Shown
 
 
-def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any], followed: list[Followed]) -> dict[str, Any]:
+def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any], followed: list[Shown]) -> dict[str, Any]:
     """What the head of the page is filled with."""
     checks = metrics.get("checks", [])
     failed = [check_name(check) for check in checks if check["passed"] is False]
@@ -27,7 +27,7 @@ def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any], followe
         "subtitle": _subtitle(scenario, metrics),
         "sentence": what_happened(flight, metrics["flight"], checks),
         "why": (metrics["flight"].get("navigated") or {}).get("why"),
-        "winner": who_won(flight, metrics.get("trackers") or {}, followed),
+        "winner": best_tracker(flight, metrics.get("trackers") or {}, followed),
         "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed"),
         "failed": failed,
         "others": _outcomes(metrics.get("flights_summary", {}).get("outcomes", {})),

@@ -12,7 +12,7 @@ from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart
 from sim.reporting.text.labels import words
 from sim.reporting.tracker_figures.conformance_strip import alert_strip
-from sim.reporting.tracker_figures.error_curves import Followed
+from sim.reporting.tracker_figures.error_curves import Shown
 from sim.reporting.tracker_figures.estimate_map import estimate_map
 from sim.reporting.tracker_figures.model_probabilities import anomaly_strip, model_probabilities
 from sim.reporting.tracker_figures.path_bound import path_bound
@@ -31,7 +31,7 @@ def error_charts(
     scenario: Any,
     flight: Flight,
     trackers: dict[str, Any],
-    followed: list[Followed],
+    followed: list[Shown],
     records: dict[str, Any],
 ) -> list[Chart]:
     """How well the trackers did; ``trackers`` as in metrics.json."""

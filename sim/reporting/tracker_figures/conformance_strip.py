@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
+from sim.metrics.error_curves import pooled, windows
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import phase_strip
 from sim.reporting.figures.histories import STRIP, TIME
-from sim.reporting.tracker_figures.error_curves import pooled, windows
 from tracking.conformance import Watched
 
 COLOURS = {"route law": style.BLUE, "beacon law": style.ORANGE, "manual": "#B9B9B9"}

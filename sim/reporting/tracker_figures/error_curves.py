@@ -1,191 +1,35 @@
-"""What every tracker believed against the truth, at its own epochs: the numbers behind the figures of the trackers."""
+"""The curves of all trackers as the figures show them: each has one look, the same in every figure."""
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from sim.flight.interpolation import truth_at
-from sim.flight.record import Flight
-from sim.metrics import comparison
+from sim.metrics.error_curves import ErrorCurves
 from sim.reporting.figures import style
-from sim.reporting.figures.thinning import runs
 
 FIRST = ("position_m", "cross_track_m", "height_m")  # channels in the order in which they are shown
-LEVELS = (2.5, 97.5)  # %, of errors
-WINDOWS = 240  # most points of a curve
-MANY, FEW_WINDOWS = 30, 80  # with fewer draws than MANY a point needs more epochs behind it
-
-
-class Curves(NamedTuple):
-    """One comparison channel of one tracker over w short windows of time, over all draws and epochs in each."""
-
-    rmse: np.ndarray  # (w,)
-    sigma: np.ndarray  # (w,) of the tracker's own covariance, root of the mean trace
-    raw: np.ndarray  # (w,) RMSE of the measurement itself; NaN where there was none
-    low: np.ndarray  # (w,) percentiles of the signed error, of one dimension only
-    high: np.ndarray  # (w,)
-    p95: np.ndarray  # (w,) 95th percentile of the size of the error
-    anees: np.ndarray  # (w,) mean normalised error squared per dimension
-    of_draws: np.ndarray  # (draws,) mean squared error over the epochs that were measured
 
 
 class Shown(NamedTuple):
-    """Where one draw of a tracker was, for maps; NaN where it did not know or had seen nothing yet."""
-
-    time: np.ndarray  # (k,) s
-    place: np.ndarray  # (k, 2) m north, east
-    spread: np.ndarray  # (k, 2, 2) m2
-    height: np.ndarray  # (k,) m; of an angle, at the true distance
-    height_sigma: np.ndarray  # (k,) m
-
-
-class Followed(NamedTuple):
-    """One tracker's whole record, compared."""
+    """A tracker in the figures."""
 
     name: str
     law_from: str | None
-    look: dict[str, Any]  # colour and dashes, the same in every figure
-    time: np.ndarray  # (w,) s, middle of each window, since the first measurement
-    phase: np.ndarray  # (w,) index into the flight's phases
-    draws: int
-    curves: dict[str, Curves]
-    nis: np.ndarray  # (w,) mean normalised innovation squared per measured component
-    nis_samples: np.ndarray  # (w,) how many measured components are behind each
-    sensors: tuple[str, ...]
-    shown: Shown  # draw 0
+    look: dict[str, Any]  # colour and dashes
+    curves: ErrorCurves
 
 
-def follow(scenario: Any, flight: Flight, tracked: dict[str, Any]) -> list[Followed]:
-    """Compare every tracker with the flight."""
+def shown_trackers(scenario: Any, tracked: dict[str, Any]) -> list[Shown]:
+    """The trackers that can be compared with the truth in any channel, each with its look."""
     looks = _looks(scenario, tracked)
-    return [_one(scenario, flight, name, looks[name], one) for name, one in tracked.items()]
+    return [Shown(name, it.law_from, looks[name], it.curves) for name, it in tracked.items() if it.curves.channels]
 
 
-def shown_channels(followed: list[Followed]) -> list[str]:
+def shown_channels(shown: list[Shown]) -> list[str]:
     """Names of the channels that the trackers have: place first, angles where no tracker knows a place."""
-    found = dict.fromkeys(channel for one in followed for channel in one.curves)
+    found = dict.fromkeys(channel for one in shown for channel in one.curves.channels)
     first = [channel for channel in FIRST if channel in found]
     return first or list(found)
-
-
-def _one(scenario: Any, flight: Flight, name: str, look: dict[str, Any], one: Any) -> Followed:
-    track, record = one.track, one.measurements
-    # only sensors whose channels the tracker estimates: the projections of a place onto angles stay in the tables
-    heard = {channel.partition(".")[0] for channel in record.channels}
-    spoken = {channel.partition(".")[0] for channel in track.channels}
-    sensors = {sensor: it for sensor, it in scenario.sensors.items() if sensor in heard}
-    truth = truth_at(flight, track.time)
-    cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
-    own = {sensor: it for sensor, it in sensors.items() if sensor in spoken}
-    compared = comparison.compare(flight, truth, track.channels, track.mean, cov, own)
-    order = np.argsort(record.arrival, kind="stable")
-    taken = truth_at(flight, record.time[order])
-    plots = comparison.raw(flight, taken, record.channels, record.z[order], sensors, flight.route.legs[0].height)
-    first, draws = _first_seen(plots), track.mean.shape[2]
-    edges = windows(track.time, first, flight, draws)
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        curves = {channel: _curves(it, plots.get(channel), edges) for channel, it in compared.items()}
-        lengths = np.array([b - a for a, b in edges])
-        counted = pooled(np.isfinite(track.white).sum(axis=(1, 2)), edges)
-        nis = np.where(counted > 0, pooled(np.nansum(track.nis, axis=1), edges) / counted, np.nan)
-        samples = np.round(counted * lengths)
-        shown = Shown(track.time, *(_from(first, values) for values in _shown(truth, sensors, compared)))
-    middle = np.array([(a + b - 1) // 2 for a, b in edges], int)
-    return Followed(
-        name, one.law_from, look, pooled(track.time, edges), truth.phase[middle], draws, curves, nis, samples,
-        tuple(sensors), shown,
-    )  # fmt: skip
-
-
-def windows(time: np.ndarray, first: int, flight: Flight, draws: int) -> list[tuple[int, int]]:
-    """(first, one past last) epochs of windows of equal length in time, from the first measurement on."""
-    most = WINDOWS if draws >= MANY else FEW_WINDOWS
-    width = max(float(flight.time[-1] - flight.time[0]), 1e-6) / most
-    place = np.floor((time[first:] - flight.time[0]) / width)
-    return [(first + a, first + b) for a, b in runs(place)]
-
-
-def pooled(values: np.ndarray, edges: list[tuple[int, int]]) -> np.ndarray:
-    """(w,) mean over the epochs of each window, and over whatever axes follow."""
-    starts, ends = np.array(edges).T
-    return np.asarray(np.add.reduceat(values.reshape(len(values), -1).mean(axis=1), starts) / (ends - starts))
-
-
-def _percentiles(values: np.ndarray, edges: list[tuple[int, int]], levels: tuple[float, ...]) -> np.ndarray:
-    """(levels, w) percentiles of the values (k, draws) in each window; windows of one length at a time."""
-    starts, ends = np.array(edges).T
-    found = np.empty((len(levels), len(edges)))
-    for length in np.unique(ends - starts):
-        chosen = ends - starts == length
-        rows = values[starts[chosen, None] + np.arange(length)].reshape(int(chosen.sum()), -1)
-        found[:, chosen] = np.percentile(rows, levels, axis=1)
-    return found
-
-
-def _shown(truth: Any, sensors: dict[str, Any], compared: dict[str, Any]) -> tuple[np.ndarray, ...]:
-    """Place and height of draw 0; the height of an elevation is that at the true distance from its antenna."""
-    k = len(truth.time)
-    place, spread, height, sigma = (np.full((k, *shape), np.nan) for shape in ((2,), (2, 2), (), ()))
-    if "position_m" in compared:
-        error, cov = compared["position_m"]
-        place, spread = truth.position[:2].T + error[..., 0], cov[..., 0]
-    angle = next((name for name in compared if name.endswith(".elevation_deg")), None)
-    if "height_m" in compared:
-        error, cov = compared["height_m"]
-        height, sigma = truth.position[2] + error[:, 0, 0], np.sqrt(cov[:, 0, 0, 0])
-    elif angle is not None:
-        error, cov = compared[angle]
-        antenna = np.array(sensors[angle.partition(".")[0]].antenna)[:, None]
-        distance = np.hypot(*(truth.position - antenna)[:2])
-        slope = distance * (1.0 + ((truth.position - antenna)[2] / distance) ** 2)  # d height / d elevation
-        height = truth.position[2] + slope * np.radians(error[:, 0, 0])
-        sigma = slope * np.radians(np.sqrt(cov[:, 0, 0, 0]))
-    return place, spread, height, sigma
-
-
-def _curves(compared: Any, plots: Any, edges: list[tuple[int, int]]) -> Curves:
-    squares, dimension = comparison.squared(compared), compared.error.shape[1]
-    spread = np.einsum("kiin->kn", compared.cov)
-    measured = np.full(squares.shape, np.nan) if plots is None else comparison.squared(plots)
-    seen = np.isfinite(measured)
-    share = pooled(seen, edges)
-    raw = np.where(share > 0, np.sqrt(pooled(np.where(seen, measured, 0.0), edges) / share), np.nan)
-    low = high = np.full(len(edges), np.nan)
-    if dimension == 1:
-        low, high = _percentiles(compared.error[:, 0], edges, LEVELS)
-    (p95,) = _percentiles(squares, edges, (95.0,))
-    looked = seen.any(axis=1) if seen.any() else np.ones(len(squares), bool)
-    rmse, sigma = np.sqrt(pooled(squares, edges)), np.sqrt(pooled(spread, edges))
-    anees = pooled(comparison.normalised(compared), edges) / dimension
-    return Curves(
-        _finite(rmse),
-        _finite(sigma),
-        _finite(raw),
-        _finite(low),
-        _finite(high),
-        _finite(np.sqrt(p95)),
-        _finite(anees),
-        squares[looked].mean(axis=0),
-    )
-
-
-def _finite(values: np.ndarray) -> np.ndarray:
-    return np.where(np.isfinite(values), values, np.nan)
-
-
-def _first_seen(plots: dict[str, Any]) -> int:
-    """Epoch of the first measurement that says where the target is: before it a track is what was handed over."""
-    seen = [np.isfinite(plot.error).any(axis=(1, 2)) for plot in plots.values()]
-    return int(np.argmax(np.any(seen, axis=0))) if seen else 0
-
-
-def _from(first: int, values: np.ndarray) -> np.ndarray:
-    """The finite values from an epoch on, NaN elsewhere."""
-    hidden = _finite(values)
-    hidden[:first] = np.nan
-    return hidden
 
 
 def _looks(scenario: Any, tracked: dict[str, Any]) -> dict[str, dict[str, Any]]:

@@ -12,7 +12,7 @@ from sim.reporting.figures import style
 from sim.reporting.figures.plan_view import extent
 from sim.reporting.replay import ellipse, false_plots, place_of_plots
 from sim.reporting.text.labels import words
-from sim.reporting.tracker_figures.error_curves import Followed
+from sim.reporting.tracker_figures.error_curves import Shown
 from sim.reporting.tracker_figures.tracking_errors import LEGEND, legend
 
 KM = 1e-3
@@ -21,12 +21,12 @@ ELLIPSES = 7  # of each tracker in one picture
 TALLEST, LOWEST, ENLARGED = 3.6, 1.5, 3.2  # in, of the axes
 
 
-def estimate_map(flight: Flight, scenario: Any, followed: list[Followed], records: dict[str, Any]) -> Any | None:
+def estimate_map(flight: Flight, scenario: Any, followed: list[Shown], records: dict[str, Any]) -> Any | None:
     """Figure with equal axes of the whole flight and of its last turn; None where no tracker knows a place.
 
     In km from the threshold along and to the right of the final course.
     """
-    shown = [one for one in followed if np.isfinite(one.shown.place).any()]
+    shown = [one for one in followed if np.isfinite(one.curves.path.place).any()]
     if not shown:
         return None
     course = flight.route.legs[-1].course
@@ -77,7 +77,7 @@ def _frame(axes: Any, middle: tuple[float, float], across: float, down: float) -
 
 def _draw(
     axes: Any,
-    shown: list[Followed],
+    shown: list[Shown],
     flown: tuple[np.ndarray, np.ndarray],
     plots: dict[str, list[np.ndarray]],
     turn: np.ndarray,
@@ -98,7 +98,7 @@ def _draw(
     thin = max(1, len(flown[0]) // 600)
     axes.plot(flown[0][::thin], flown[1][::thin], color=style.BLACK, linewidth=1.6, label="flown", zorder=1.5)
     for one in shown:
-        x, y = turn @ one.shown.place.T
+        x, y = turn @ one.curves.path.place.T
         if between is None:
             among = inside(x, y)
             x, y = np.where(among, x, np.nan), np.where(among, y, np.nan)
@@ -106,12 +106,12 @@ def _draw(
         axes.plot(x, y, linewidth=0.9, label=words(one.name), **one.look)
 
 
-def _ellipses(axes: Any, one: Followed, x: np.ndarray, y: np.ndarray, turn: np.ndarray, among: np.ndarray) -> None:
+def _ellipses(axes: Any, one: Shown, x: np.ndarray, y: np.ndarray, turn: np.ndarray, among: np.ndarray) -> None:
     """Ellipses of two standard deviations as one broken line."""
     if not among.size:
         return
     chosen = among[np.unique(np.linspace(0, len(among) - 1, ELLIPSES).astype(int))]
-    long, short, direction = ellipse(np.einsum("ij,kjl,ml->kim", turn, one.shown.spread[chosen], turn))
+    long, short, direction = ellipse(np.einsum("ij,kjl,ml->kim", turn, one.curves.path.spread[chosen], turn))
     angle = np.append(np.linspace(0.0, 2 * np.pi, 33), np.nan)
     a, b = 2 * long[:, None] * np.cos(angle), 2 * short[:, None] * np.sin(angle)
     c, s = np.cos(direction)[:, None], np.sin(direction)[:, None]

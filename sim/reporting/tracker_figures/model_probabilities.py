@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
+from sim.metrics.error_curves import MANY, pooled, windows
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import phase_strip
 from sim.reporting.figures.histories import STRIP, TIME
 from sim.reporting.figures.thinning import peaks
 from sim.reporting.text.labels import words
-from sim.reporting.tracker_figures.error_curves import MANY, pooled, windows
 from tracking.track import ACCURACY, LAW, modes_of
 
 BINS = 200  # of the stated accuracy

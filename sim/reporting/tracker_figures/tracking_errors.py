@@ -12,7 +12,7 @@ from sim.reporting.figures.curves import phase_strip
 from sim.reporting.figures.histories import STRIP, TIME
 from sim.reporting.figures.thinning import peaks
 from sim.reporting.text.labels import split, words
-from sim.reporting.tracker_figures.error_curves import Followed, shown_channels
+from sim.reporting.tracker_figures.error_curves import Shown, shown_channels
 from sim.reporting.tracker_figures.path_bound import PathBound
 
 BINS = 160  # stretches of a curve whose least and greatest value are drawn
@@ -23,16 +23,17 @@ UNCREDIBLE = 1e3  # ANEES and NIS of lost trackers may leave the frame
 DECADES = 4.0  # most that a logarithmic axis shows
 
 
-def error_over_time(flight: Flight, followed: list[Followed], bound: PathBound | None) -> Any:
+def error_over_time(flight: Flight, followed: list[Shown], bound: PathBound | None) -> Any:
     """Figure of the RMSE over draws at every epoch, one panel for each channel, on logarithmic axes."""
     names = shown_channels(followed)[:3]
     figure, (strip, *panels) = style.panels(STRIP, *(1.9 for _ in names), top=LEGEND)
     phase_strip(strip, flight)
     for axes, channel in zip(panels, names, strict=True):
-        shown = [one for one in followed if channel in one.curves]
+        shown = [one for one in followed if channel in one.curves.channels]
         _raw(axes, shown, channel)
         for one in shown:
-            thinned(axes, one.time, one.curves[channel].rmse, label=words(one.name), linewidth=1.0, **one.look)
+            curves = one.curves
+            thinned(axes, curves.time, curves.channels[channel].rmse, label=words(one.name), linewidth=1.0, **one.look)
         if bound is not None and channel in ("position_m", "cross_track_m"):
             limit = bound.position if channel == "position_m" else bound.cross_track
             thinned(
@@ -45,10 +46,10 @@ def error_over_time(flight: Flight, followed: list[Followed], bound: PathBound |
     return figure
 
 
-def _raw(axes: Any, shown: list[Followed], channel: str) -> None:
+def _raw(axes: Any, shown: list[Shown], channel: str) -> None:
     """The measurements of whoever has most of them."""
-    most = max(shown, key=lambda one: np.isfinite(one.curves[channel].raw).sum())
-    raw = most.curves[channel].raw
+    most = max((one.curves for one in shown), key=lambda curves: np.isfinite(curves.channels[channel].raw).sum())
+    raw = most.channels[channel].raw
     chosen = np.flatnonzero(np.isfinite(raw))
     if chosen.size:
         chosen = chosen[peaks(raw[chosen], BINS)]
@@ -57,26 +58,26 @@ def _raw(axes: Any, shown: list[Followed], channel: str) -> None:
         )
 
 
-def credibility(flight: Flight, followed: list[Followed]) -> Any | None:
+def credibility(flight: Flight, followed: list[Shown]) -> Any | None:
     """Figure with a panel for each tracker: 95 % of its signed errors against +-2 sigma of its own covariance."""
     from matplotlib.ticker import FuncFormatter
 
     channel = next((c for c in ("cross_track_m", *shown_channels(followed)) if c != "position_m"), "")
-    shown = [one for one in followed if channel in one.curves]
+    shown = [one for one in followed if channel in one.curves.channels]
     if not shown:
         return None
-    twice = np.concatenate([2 * one.curves[channel].sigma for one in shown])
+    twice = np.concatenate([2 * one.curves.channels[channel].sigma for one in shown])
     scale = float(np.nanmedian(twice)) if np.isfinite(twice).any() else 1.0
     rows = -(-len(shown) // COLUMNS)
     figure, grid = style.grid(rows, min(COLUMNS, len(shown)), 0.95, top=0.34)
     for axes, one in zip(grid, shown, strict=False):
-        curves = one.curves[channel]
+        curves = one.curves.channels[channel]
         colour = one.look["color"]
         chosen = np.union1d(*(peaks(curve, BINS // 2) for curve in (curves.low, curves.high)))
-        time, sigma = one.time[chosen], curves.sigma[chosen]
+        time, sigma = one.curves.time[chosen], curves.sigma[chosen]
         axes.fill_between(time, -2 * sigma, 2 * sigma, color=style.SHADE, linewidth=0, label="±2 σ that it states")
         for side, curve in enumerate((curves.low, curves.high)):
-            label = None if side else "2.5 and 97.5 % of its errors" if one.draws > 1 else "its error"
+            label = None if side else "2.5 and 97.5 % of its errors" if one.curves.draws > 1 else "its error"
             axes.plot(time, curve[chosen], color=colour, linewidth=0.8, label=label)
         axes.axhline(0.0, color=style.BLACK, linewidth=0.4)
         axes.set_title(words(one.name), fontsize=7.5, pad=2)
@@ -99,7 +100,7 @@ def credibility(flight: Flight, followed: list[Followed]) -> Any | None:
     return figure
 
 
-def consistency_over_time(flight: Flight, followed: list[Followed]) -> Any:
+def consistency_over_time(flight: Flight, followed: list[Shown]) -> Any:
     """Figure of ANEES and of the mean NIS at every epoch with the band that 95 % of consistent trackers keep."""
     from scipy.special import chdtri
 
@@ -109,14 +110,14 @@ def consistency_over_time(flight: Flight, followed: list[Followed]) -> Any:
     dimension = 2 if channel == "position_m" else 1
     for one in followed:
         look = {"label": words(one.name), "linewidth": 0.9, **one.look}
-        if channel in one.curves:
-            thinned(errors, one.time, one.curves[channel].anees, **look)
-        thinned(innovations, one.time, one.nis, **look)
-    most = max(followed, key=lambda one: len(one.time))
+        if channel in one.curves.channels:
+            thinned(errors, one.curves.time, one.curves.channels[channel].anees, **look)
+        thinned(innovations, one.curves.time, one.curves.nis, **look)
+    most = max((one.curves for one in followed), key=lambda curves: len(curves.time))
     seen = most.nis_samples > 0
     time = np.array((flight.time[0], flight.time[-1]))
     for axes, samples, when in (
-        (errors, np.full(2, float(max(one.draws for one in followed) * dimension)), time),
+        (errors, np.full(2, float(max(one.curves.draws for one in followed) * dimension)), time),
         (innovations, most.nis_samples[seen].astype(float), most.time[seen]),
     ):
         chosen = peaks(samples, BINS // 2)
@@ -132,7 +133,7 @@ def consistency_over_time(flight: Flight, followed: list[Followed]) -> Any:
     return figure
 
 
-def error_by_phase(flight: Flight, trackers: dict[str, Any], followed: list[Followed]) -> Any | None:
+def error_by_phase(flight: Flight, trackers: dict[str, Any], followed: list[Shown]) -> Any | None:
     """Figure of the RMSE by phase as bars, with intervals and the raw measurement across each group."""
     looks = {one.name: one.look for one in followed}
     names = [c for c in shown_channels(followed) if any(c in by for t in trackers.values() for by in _phases(t))][:2]
@@ -192,13 +193,13 @@ def _phases(tracker: dict[str, Any]) -> list[dict[str, Any]]:
     return list((tracker.get("by_phase") or {}).values())
 
 
-def containment(flight: Flight, scenario: Any, followed: list[Followed]) -> tuple[Any, str] | None:
+def containment(flight: Flight, scenario: Any, followed: list[Shown]) -> tuple[Any, str] | None:
     """Figure of the 95th percentile of the cross-track error against the azimuth norm of a precision radar.
 
     Also a sentence on who keeps it how often; None without such a radar or without a place.
     """
     radar = next((it for it in scenario.sensors.values() if hasattr(it, "sector") and "range" in it.channels), None)
-    shown = [one for one in followed if "cross_track_m" in one.curves]
+    shown = [one for one in followed if "cross_track_m" in one.curves.channels]
     if radar is None or not shown:
         return None
     from sim.flight.interpolation import truth_at
@@ -215,10 +216,10 @@ def containment(flight: Flight, scenario: Any, followed: list[Followed]) -> tupl
     axes.fill_between(flight.time[chosen], norm[chosen], 1e-3, color=style.SHADE, linewidth=0, label="within the norm")
     axes.plot(flight.time[chosen], norm[chosen], color=style.BLACK, linewidth=1.2, label="norm")
     for one in shown:
-        slant, azimuth, _ = radar.truth(truth_at(flight, one.time).position)
+        slant, azimuth, _ = radar.truth(truth_at(flight, one.curves.time).position)
         inside = (np.abs(azimuth) <= radar.sector / 2) & (slant <= radar.coverage)
-        p95 = np.where(inside, one.curves["cross_track_m"].p95, np.nan)
-        thinned(axes, one.time, p95, label=words(one.name), linewidth=1.0, **one.look)
+        p95 = np.where(inside, one.curves.channels["cross_track_m"].p95, np.nan)
+        thinned(axes, one.curves.time, p95, label=words(one.name), linewidth=1.0, **one.look)
         if inside.any():
             kept = float(np.mean(p95[inside] <= azimuth_norm(slant[inside])))
             shares.append((kept, f"{words(one.name)} {100 * kept:.0f} %"))
@@ -237,7 +238,7 @@ def azimuth_norm(distance: Any) -> Any:
     return np.maximum(0.006 * distance, 9.0)
 
 
-def look_ahead_fan(trackers: dict[str, Any], followed: list[Followed]) -> Any | None:
+def look_ahead_fan(trackers: dict[str, Any], followed: list[Shown]) -> Any | None:
     """Figure of the RMSE of predicted positions over how far ahead they were made; None where none were."""
     looks = {one.name: one.look for one in followed}
     chosen = {name: t["look_ahead"] for name, t in trackers.items() if name in looks and t.get("look_ahead")}
@@ -292,7 +293,7 @@ def logarithmic(axes: Any, *more: float) -> None:
     axes.minorticks_off()
 
 
-def legend(figure: Any, axes: Any, followed: list[Followed]) -> None:
+def legend(figure: Any, axes: Any, followed: list[Shown]) -> None:
     """A legend above the panels of all but the trackers, whose colours the page names beside each figure."""
     names = {words(one.name) for one in followed}
     handles, labels = axes.get_legend_handles_labels()

@@ -11,7 +11,7 @@ import pytest
 
 from autopilot.design import Designed, lateral_law
 from autopilot.route import Leg, Route
-from sim.metrics.navigation import beside, navigated
+from sim.metrics.navigation import beside, navigation_quality
 from sim.scenario.tables import Runway
 from tracking.motion import CARTESIAN
 
@@ -51,14 +51,14 @@ def track(flight, late=0.0, aside=0.0):
 
 def test_a_flight_on_the_truth_has_nothing_to_explain(swinging):
     prepared = SimpleNamespace(scenario=SimpleNamespace(autopilot=SimpleNamespace(navigation="truth")))
-    assert navigated(prepared, swinging, None, {}) is None
+    assert navigation_quality(prepared, swinging, None, {}) is None
     assert beside({"navigated": None, "outcome": "landed"}) == []
 
 
 @pytest.mark.parametrize("late", [0.0, 2.0, 5.0])
 def test_the_lag_of_the_rate_is_found(swinging, late):
     """Least squares over a sine: sin(w tau) / w for a lag of tau."""
-    found = navigated(PREPARED, swinging, track(swinging, late), {"lost_time_s": None})
+    found = navigation_quality(PREPARED, swinging, track(swinging, late), {"lost_time_s": None})
     w = 2 * np.pi / PERIOD
     assert found["rate_lag_s"] == pytest.approx(math.sin(w * late) / w, abs=0.05)
     assert found["error_rms_m"] == pytest.approx(0.0, abs=0.1)
@@ -66,24 +66,24 @@ def test_the_lag_of_the_rate_is_found(swinging, late):
 
 
 def test_a_late_rate_is_the_reason(swinging):
-    why = navigated(PREPARED, swinging, track(swinging, 5.0), {"lost_time_s": None})["why"]
-    assert "the cross-track rate of mine, on which it was flown, came 4.4 s late and the law stands 3.7 s" in why
+    why = navigation_quality(PREPARED, swinging, track(swinging, 5.0), {"lost_time_s": None})["why"]
+    assert "the cross-track rate of mine, on which it was flown, came 4.4 s late and the law tolerates 3.7 s" in why
     assert "at the bank limit for 100% of the time" in why
 
 
 def test_a_lost_track_is_the_reason(swinging):
-    why = navigated(PREPARED, swinging, track(swinging, aside=2000.0), {"lost_time_s": 14.0})["why"]
+    why = navigation_quality(PREPARED, swinging, track(swinging, aside=2000.0), {"lost_time_s": 14.0})["why"]
     assert "was lost after 14 s" in why
     assert "the estimate wrong by 2000 m across, where it stated 14 m" in why
 
 
 def test_what_landed_needs_no_reason(swinging):
     landed = dataclasses.replace(swinging, outcome="landed")
-    assert navigated(PREPARED, landed, track(landed, 5.0), {"lost_time_s": None})["why"] is None
+    assert navigation_quality(PREPARED, landed, track(landed, 5.0), {"lost_time_s": None})["why"] is None
 
 
 def test_a_tracker_that_saw_nothing_is_the_reason(swinging):
-    assert navigated(PREPARED, swinging, None, {})["why"] == "tracker 'mine' never saw the aircraft"
+    assert navigation_quality(PREPARED, swinging, None, {})["why"] == "tracker 'mine' never saw the aircraft"
 
 
 def test_the_twin_on_the_truth_stands_beside():

@@ -19,7 +19,7 @@ import pytest
 
 from autopilot.route import Leg, Route
 from sim.reporting.replay import MOST_ESTIMATES, MOST_PLOTS, MOST_STATES, replay
-from sim.reporting.tracker_figures.error_curves import follow
+from sim.reporting.tracker_figures.error_curves import shown_trackers
 
 _trackers = runpy.run_path(str(Path(__file__).with_name("test_report_trackers.py")))  # tests are modules in no package
 followed_by, record_of, scenario, written = (
@@ -64,7 +64,7 @@ def test_the_replay_passes_through_the_flight(flight):
 
 def test_estimates_and_plots_lie_beside_the_flight_as_made(flight):
     given, tracks = scenario(), tracked(flight)
-    data = replay(flight, given, follow(given, flight, tracks), {"radar": record_of(tracks["best"])})
+    data = replay(flight, given, shown_trackers(given, tracks), {"radar": record_of(tracks["best"])})
     best = data["trackers"][0]
     np.testing.assert_allclose(best["y"], 30.0, atol=0.05)  # right is positive
     np.testing.assert_allclose(best["long"], 20.0, atol=0.05)  # twice the sigma of 10 m
@@ -94,7 +94,7 @@ def test_long_records_are_thinned(make_flight):
     flight = make_flight(time, ["final"] * len(time), north=-12000.0 + 8.0 * time, height=0 * time + 300.0)
     long = followed_by(flight, np.ones((2, 1)), epochs=4000)
     given = scenario()
-    data = replay(flight, given, follow(given, flight, {"best": long}), {"radar": record_of(long)})
+    data = replay(flight, given, shown_trackers(given, {"best": long}), {"radar": record_of(long)})
     assert len(data["flight"]["t"]) <= MOST_STATES
     assert len(data["trackers"][0]["t"]) <= MOST_ESTIMATES
     assert len(data["plots"][0]["t"]) <= MOST_PLOTS

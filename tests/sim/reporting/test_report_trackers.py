@@ -13,15 +13,17 @@ import pytest
 
 from sim.estimation.tracking_run import Tracked
 from sim.metrics.checks import evaluate_checks
+from sim.metrics.error_curves import FEW_WINDOWS, error_curves, windows
 from sim.metrics.flight import flight_metrics
+from sim.metrics.tracker import plot_errors, tracker_errors
 from sim.observation.record import SensorRecord
 from sim.observation.sensors.precision_radar import PrecisionRadar
 from sim.reporting.figures import style
 from sim.reporting.replay import ellipse
 from sim.reporting.run_page import write
-from sim.reporting.text.best_tracker import who_won
+from sim.reporting.text.best_tracker import best_tracker
 from sim.reporting.tracker_figures.charts import error_charts
-from sim.reporting.tracker_figures.error_curves import FEW_WINDOWS, follow, windows
+from sim.reporting.tracker_figures.error_curves import shown_trackers
 from sim.reporting.tracker_figures.model_probabilities import anomaly_strip, mode_names
 from sim.reporting.tracker_figures.path_bound import path_bound
 from sim.reporting.tracker_figures.tracking_errors import azimuth_norm, containment, error_over_time
@@ -79,7 +81,15 @@ def followed_by(flight, errors, law_from=None, sigma=10.0, seen=None, probabilit
     z[seen] = radar.truth(place).T[seen][:, :, None]
     names = tuple(f"radar.{channel}" for channel in radar.channels)
     measured = Measurements(names, time, time, z, np.broadcast_to(np.eye(3)[..., None], (epochs, 3, 3, 1)))
-    return Tracked(track, measured, law_from)
+    return judged(flight, {"radar": radar}, track, measured, law_from)
+
+
+def judged(flight, sensors, track, measured, law_from=None, tracker=None):
+    """A track compared with the flight, as a run leaves it."""
+    plots = plot_errors(flight, sensors, 400.0, measured)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        curves = error_curves(flight, sensors, track, tracker_errors(flight, sensors, track, plots))
+    return Tracked(tracker, law_from, measured, track, curves)
 
 
 def record_of(tracked):
@@ -103,13 +113,13 @@ def summaries(given, rmse, **more):
     }  # fmt: skip
 
 
-def written(tmp_path, flight, given, tracked, trackers, records=None, built=None):
+def written(tmp_path, flight, given, tracked, trackers, records=None):
     figures = flight_metrics(flight, given.runway, given.autopilot.bank_limit)
     checks = evaluate_checks(given.checks, flight, given.runway, figures)
     metrics = {"flight": figures, "checks": checks, "seed": 1, "draws": 2, "trackers": trackers}
     path = write(
         tmp_path / "report.html", scenario=given, flight=flight, law=LAW, metrics=metrics,
-        versions={}, timing={}, tracked=tracked, records=records or {}, built=built,
+        versions={}, timing={}, tracked=tracked, records=records or {},
     )  # fmt: skip
     return Page(path.read_text(encoding="utf-8"))
 
@@ -119,8 +129,8 @@ def written(tmp_path, flight, given, tracked, trackers, records=None, built=None
 
 def test_curves_are_the_arithmetic_of_their_errors(flight):
     given = scenario()
-    one, = follow(given, flight, {"best": followed_by(flight, [[3.0, -3.0], [4.0, -4.0]], sigma=5.0)})  # fmt: skip
-    position, across = one.curves["position_m"], one.curves["cross_track_m"]
+    one, = shown_trackers(given, {"best": followed_by(flight, [[3.0, -3.0], [4.0, -4.0]], sigma=5.0)})  # fmt: skip
+    position, across = one.curves.channels["position_m"], one.curves.channels["cross_track_m"]
     np.testing.assert_allclose(position.rmse, 5.0, rtol=1e-9)
     np.testing.assert_allclose(position.sigma, 5.0 * np.sqrt(2), rtol=1e-12)
     np.testing.assert_allclose(position.anees, 25.0 / 25.0 / 2, rtol=1e-9)
@@ -128,25 +138,25 @@ def test_curves_are_the_arithmetic_of_their_errors(flight):
     np.testing.assert_allclose((across.low + across.high) / 2, 0.0, atol=1e-9)
     np.testing.assert_allclose(across.raw, 50.0, rtol=1e-6)  # plots lie 50 m to the right
     np.testing.assert_allclose(across.of_draws, 16.0, rtol=1e-9)
-    np.testing.assert_allclose(one.nis, 1.0)  # 3 per three components
-    np.testing.assert_allclose(one.shown.place[:, 1], 4.0 * 0 + 4.0)  # draw 0
+    np.testing.assert_allclose(one.curves.nis, 1.0)  # 3 per three components
+    np.testing.assert_allclose(one.curves.path.place[:, 1], 4.0 * 0 + 4.0)  # draw 0
 
 
 def test_before_its_first_plot_a_track_is_not_shown(flight):
     seen = np.arange(40) >= 15
-    one, = follow(scenario(), flight, {"best": followed_by(flight, np.ones((2, 3)), seen=seen)})  # fmt: skip
-    assert one.time[0] == pytest.approx(one.shown.time[15])
-    assert len(one.curves["cross_track_m"].rmse) == len(one.time) == 25
-    assert np.isnan(one.shown.place[:15]).all()
-    assert np.isfinite(one.shown.place[15:]).all()
+    one, = shown_trackers(scenario(), {"best": followed_by(flight, np.ones((2, 3)), seen=seen)})  # fmt: skip
+    assert one.curves.time[0] == pytest.approx(one.curves.path.time[15])
+    assert len(one.curves.channels["cross_track_m"].rmse) == len(one.curves.time) == 25
+    assert np.isnan(one.curves.path.place[:15]).all()
+    assert np.isfinite(one.curves.path.place[15:]).all()
 
 
 def test_few_draws_are_pooled_over_windows_without_losing_an_error(flight):
     errors = noisy(10.0, 4, 1)[np.zeros(4000, int)] * np.random.default_rng(5).normal(size=(4000, 1, 1))
-    one, = follow(scenario(), flight, {"best": followed_by(flight, errors, epochs=4000)})  # fmt: skip
-    curves = one.curves["cross_track_m"]
+    one, = shown_trackers(scenario(), {"best": followed_by(flight, errors, epochs=4000)})  # fmt: skip
+    curves = one.curves.channels["cross_track_m"]
     assert len(curves.rmse) <= FEW_WINDOWS
-    lengths = [b - a for a, b in windows(one.shown.time, 0, flight, 1)]
+    lengths = [b - a for a, b in windows(one.curves.path.time, 0, flight, 1)]
     assert sum(lengths) == 4000
     assert np.average(curves.rmse**2, weights=lengths) == pytest.approx(float(np.mean(errors[:, 1] ** 2)), rel=1e-9)
     first = errors[: lengths[0], 1]
@@ -157,7 +167,7 @@ def test_twins_share_a_colour_and_the_wrong_law_is_dashed(flight):
     error = np.ones((2, 2))
     tracked = {name: followed_by(flight, error, told) for name, told in
                (("best", "autopilot"), ("twin", "told wrong"), ("plain", None))}  # fmt: skip
-    best, twin, plain = follow(scenario(), flight, tracked)
+    best, twin, plain = shown_trackers(scenario(), tracked)
     assert best.look["color"] == twin.look["color"] != plain.look["color"]
     assert best.look["dashes"] == plain.look["dashes"] != twin.look["dashes"]
 
@@ -204,7 +214,7 @@ def test_containment_counts_the_epochs_within_the_norm(flight):
     inside, outside = np.full((2, 4), 5.0), np.full((2, 4), 500.0)
     tracked = {"best": followed_by(flight, inside), "plain": followed_by(flight, outside)}
     with style.drawing():
-        _, said = containment(flight, scenario(), follow(scenario(), flight, tracked))
+        _, said = containment(flight, scenario(), shown_trackers(scenario(), tracked))
     assert said == "best 100 %; plain 0 %"
     assert containment(flight, scenario(sensors={}, trackers={}), []) is None
 
@@ -234,9 +244,9 @@ def noisy(size, seed, draws=60):
 def told(flight, sizes, law_from, **more):
     given = scenario()
     tracked = {name: followed_by(flight, noisy(size, 1), law_from.get(name)) for name, size in sizes.items()}
-    followed = follow(given, flight, tracked)
-    rmse = {one.name: float(np.sqrt(one.curves["cross_track_m"].of_draws.mean())) for one in followed}
-    return who_won(flight, summaries(given, rmse, **more), followed)
+    followed = shown_trackers(given, tracked)
+    rmse = {one.name: float(np.sqrt(one.curves.channels["cross_track_m"].of_draws.mean())) for one in followed}
+    return best_tracker(flight, summaries(given, rmse, **more), followed)
 
 
 LAWS = {"best": "autopilot", "twin": "told wrong"}
@@ -258,9 +268,9 @@ def test_a_lead_within_the_noise_is_no_lead(flight):
         "best": followed_by(flight, errors, "autopilot"),
         "twin": followed_by(flight, noisy(10.0, 2), "told wrong"),
     }
-    followed = follow(given, flight, tracked)
-    rmse = {one.name: float(np.sqrt(one.curves["cross_track_m"].of_draws.mean())) for one in followed}
-    said = who_won(flight, summaries(given, rmse), followed)
+    followed = shown_trackers(given, tracked)
+    rmse = {one.name: float(np.sqrt(one.curves.channels["cross_track_m"].of_draws.mean())) for one in followed}
+    said = best_tracker(flight, summaries(given, rmse), followed)
     assert "is as good within the noise" in said
     assert "makes no difference to it" in said
     assert "next is" not in said
@@ -280,7 +290,7 @@ def test_a_winner_s_faults_are_told(flight):
 
 
 def test_nobody_wins_where_nothing_was_tracked(flight):
-    assert who_won(flight, {}, []) == ""
+    assert best_tracker(flight, {}, []) == ""
 
 
 # ------------------------------------------------------------------------------------------------------- the page
@@ -345,11 +355,11 @@ def test_the_name_of_a_tracker_stays_text(flight, tmp_path):
 def test_one_draw_has_figures_too(flight):
     given = scenario()
     tracked = {name: followed_by(flight, noisy(10.0, seed, 1)) for seed, name in enumerate(("best", "plain"))}
-    followed = follow(given, flight, tracked)
+    followed = shown_trackers(given, tracked)
     trackers = summaries(given, {"best": 10.0, "plain": 9.0})
     charts = error_charts(given, flight, trackers, followed, {})
     assert {"Error over time", "Does each tracker know how good it is?"} <= {chart.title for chart in charts}
-    assert "within the noise" not in who_won(flight, trackers, followed)  # one draw says nothing about the noise
+    assert "within the noise" not in best_tracker(flight, trackers, followed)  # one draw says nothing about the noise
 
 
 def test_the_strip_shows_which_samples_were_taken_for_anomalous(flight):
@@ -370,14 +380,14 @@ def test_the_strip_shows_which_samples_were_taken_for_anomalous(flight):
         np.broadcast_to(1e-6 * np.eye(2)[..., None], (40, 2, 2, 1)), np.ones((40, 1, 1)), np.ones((40, 1)),
         np.zeros((40, 1)), np.stack((1 - weights, weights), 1)[..., None],
     )  # fmt: skip
-    tracked = {"two": Tracked(track, Measurements(("mls.elevation",), time, time, z, R), None)}
+    tracked = {"two": judged(flight, given.sensors, track, Measurements(("mls.elevation",), time, time, z, R))}
     with style.drawing():
         figure = anomaly_strip(flight, given, tracked, {"two": ["noise × 1", "noise × 30"]})
     nominal, anomalous = figure.axes[1].lines[:2]
     np.testing.assert_allclose(anomalous.get_ydata(), 1.0, rtol=1e-6)
     np.testing.assert_allclose(nominal.get_ydata(), 0.01, rtol=1e-6)
-    one, = follow(given, flight, tracked)  # fmt: skip
-    np.testing.assert_allclose(one.shown.height, 300.0, atol=1e-6)  # an angle is shown as a height
+    one, = shown_trackers(given, tracked)  # fmt: skip
+    np.testing.assert_allclose(one.curves.path.height, 300.0, atol=1e-6)  # an angle is shown as a height
 
 
 def test_what_is_told_wrong_is_drawn_dashed(flight):
@@ -386,7 +396,7 @@ def test_what_is_told_wrong_is_drawn_dashed(flight):
         "twin": followed_by(flight, noisy(9.0, 2), "told wrong"),
     }
     with style.drawing():
-        axes = error_over_time(flight, follow(scenario(), flight, tracked), None).axes[1]
+        axes = error_over_time(flight, shown_trackers(scenario(), tracked), None).axes[1]
     dashed = {line.get_label(): line.is_dashed() for line in axes.lines if line.get_label() in ("best", "twin")}
     assert dashed == {"best": False, "twin": True}
     assert axes.get_yscale() == "log"

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from sim.errors import ScenarioError
-from sim.workers.isolation import apart
+from sim.workers.isolation import run_isolated
 
 
 def flown_by(model):
@@ -21,45 +21,45 @@ STOCK, OURS = flown_by("c172x"), flown_by("an26")
 
 
 def test_ours_are_flown_here_and_others_elsewhere():
-    assert apart(OURS, 60.0, os.getpid) == os.getpid()
-    assert apart(flown_by("point_mass"), 60.0, os.getpid) == os.getpid()
-    assert apart(STOCK, 60.0, os.getpid) != os.getpid()
-    assert apart(flown_by("./an26"), 60.0, os.getpid) != os.getpid()
+    assert run_isolated(OURS, 60.0, os.getpid) == os.getpid()
+    assert run_isolated(flown_by("point_mass"), 60.0, os.getpid) == os.getpid()
+    assert run_isolated(STOCK, 60.0, os.getpid) != os.getpid()
+    assert run_isolated(flown_by("./an26"), 60.0, os.getpid) != os.getpid()
 
 
 def test_a_child_serves_call_after_call():
-    assert apart(STOCK, 60.0, os.getpid) == apart(STOCK, 60.0, os.getpid)
+    assert run_isolated(STOCK, 60.0, os.getpid) == run_isolated(STOCK, 60.0, os.getpid)
 
 
 def test_an_abort_is_one_sentence_and_the_next_call_is_answered():
     with pytest.raises(ScenarioError, match=r"^mine: \[aircraft\] the model 'c172x' aborts the simulation \(SIGABRT\)"):
-        apart(STOCK, 60.0, os.abort)
-    assert apart(STOCK, 60.0, abs, -3) == 3
+        run_isolated(STOCK, 60.0, os.abort)
+    assert run_isolated(STOCK, 60.0, abs, -3) == 3
 
 
 def test_a_child_that_died_after_its_answer_is_not_the_next_ones_fault():
-    os.kill(apart(STOCK, 60.0, os.getpid), signal.SIGKILL)
-    assert apart(STOCK, 60.0, abs, -3) == 3
+    os.kill(run_isolated(STOCK, 60.0, os.getpid), signal.SIGKILL)
+    assert run_isolated(STOCK, 60.0, abs, -3) == 3
 
 
 def test_a_model_that_hangs_has_an_end():
     with pytest.raises(ScenarioError, match=r"gives no answer for 0\.5 s"):
-        apart(STOCK, 0.5, time.sleep, 60.0)
+        run_isolated(STOCK, 0.5, time.sleep, 60.0)
 
 
 def test_memory_has_an_end():
     with pytest.raises(ScenarioError, match="needs more than 4096 MB of memory"):
-        apart(STOCK, 60.0, bytearray, 8 << 30)
+        run_isolated(STOCK, 60.0, bytearray, 8 << 30)
 
 
 def test_exceptions_come_through_and_leave_the_child_alive():
-    child = apart(STOCK, 60.0, os.getpid)
+    child = run_isolated(STOCK, 60.0, os.getpid)
     with pytest.raises(ValueError, match="invalid literal"):
-        apart(STOCK, 60.0, int, "x")
-    assert apart(STOCK, 60.0, os.getpid) == child
+        run_isolated(STOCK, 60.0, int, "x")
+    assert run_isolated(STOCK, 60.0, os.getpid) == child
 
 
 def test_what_a_child_prints_is_no_answer(capfd):
-    assert apart(STOCK, 60.0, os.write, 1, b"noise") == 5
-    assert apart(STOCK, 60.0, abs, -3) == 3
+    assert run_isolated(STOCK, 60.0, os.write, 1, b"noise") == 5
+    assert run_isolated(STOCK, 60.0, abs, -3) == 3
     assert capfd.readouterr() == ("", "")

@@ -18,7 +18,7 @@ from sim.estimation.tracking_run import track
 from sim.experiment import fly
 from sim.flight.preparation import prepare
 from sim.metrics.flight import flight_metrics
-from sim.metrics.navigation import navigated
+from sim.metrics.navigation import navigation_quality
 from sim.observation.record import observe
 from sim.scenario.reading import read
 from tests.tracking.law_truth import CROSS_TRACK, LINE, NOMINAL, noise_factor
@@ -51,7 +51,7 @@ def approaches(name, navigation, count, *changes):
             records = observe(one, scenario.sensors, scenario.seed, number, 1)
             tracked, judged = track(prepared, one, records, {}, number)
             anees.append(judged[navigation]["anees"])
-            figures[-1]["navigated"] = navigated(prepared, one, tracked[navigation].track, judged[navigation])
+            figures[-1]["navigated"] = navigation_quality(prepared, one, tracked[navigation].track, judged[navigation])
     return scenario, flown, figures, anees
 
 
@@ -112,20 +112,20 @@ def test_talk_down(row, navigation):
         told_q = f", q {q} m2/s3" if law_aware else ""
         row(f"talk-down on {navigation}: ANEES of the position{told_q}", "reported", told(mean_interval(anees)), True)
         late = mean_interval([m["navigated"]["rate_lag_s"] for m in figures])
-        stood = figures[0]["navigated"]["rate_lag_stood_s"]
-        what = f"talk-down on {navigation}: lag of its rate, and what the law stands, s"
-        row(what, "shown", f"{told(late)}, {stood:.1f}", True)
+        tolerated = figures[0]["navigated"]["rate_lag_stood_s"]
+        what = f"talk-down on {navigation}: lag of its rate, and what the law tolerates, s"
+        row(what, "shown", f"{told(late)}, {tolerated:.1f}", True)
     assert not law_aware or share.value >= 0.95
 
 
 def test_talk_down_on_the_imm_says_why_it_fails(row):
-    """Without the law a turn is noticed seconds late, and later than the law of the aircraft stands."""
+    """Without the law a turn is noticed seconds late, and later than the law of the aircraft tolerates."""
     count = FLIGHTS["imm"]
     _, _, figures, _ = approaches("an26_talkdown", "imm", count)
     lags = [(m["navigated"]["rate_lag_s"], m["navigated"]["rate_lag_stood_s"]) for m in figures]
-    too_late = sum(late > stood for late, stood in lags)
+    too_late = sum(late > tolerated for late, tolerated in lags)
     row(
-        f"talk-down on imm, {count} flights: its rate comes later than the law stands",
+        f"talk-down on imm, {count} flights: its rate comes later than the law tolerates",
         "says why",
         f"{too_late} of {count}; first: {figures[0]['navigated']['why']}",
         all(m["navigated"]["why"] for m in figures if m["outcome"] != "landed"),
@@ -133,7 +133,7 @@ def test_talk_down_on_the_imm_says_why_it_fails(row):
     assert too_late == count
 
 
-def test_talk_down_on_the_imm_with_the_law_that_stands_its_lag(row):
+def test_talk_down_on_the_imm_with_the_law_that_tolerates_its_lag(row):
     """The lag that the recipe is told, 7 s, was chosen on seed 77."""
     count = 24
     _, _, figures, anees = approaches("an26_talkdown_imm", "imm", count)

@@ -1,9 +1,10 @@
-"""What a second process does is what the first would have done, also where the second is lost."""
+"""What a helper process does is what the first would have done, also where the helper is lost."""
 
 from __future__ import annotations
 
 import os
 import signal
+import sys
 import time
 
 import numpy as np
@@ -15,7 +16,7 @@ from sim.flight.preparation import prepare
 from sim.observation.record import observe
 from sim.reporting.figures.flight import charts
 from sim.scenario.reading import read
-from sim.workers.helper_process import ALONE, second_process
+from sim.workers.sharing import current, helper
 
 
 def square(number):
@@ -36,22 +37,26 @@ def refuse(number):
     return number
 
 
+def has_imported(module):
+    return module in sys.modules
+
+
 @pytest.fixture(scope="module")
-def second():
-    with second_process() as second:
-        if second.process is None:
-            pytest.skip("a second process needs a second processor")
-        second.later(os.getpid)()  # it is ready
-        yield second
+def shared():
+    with helper() as sharing:
+        if sharing.helper is None:
+            pytest.skip("a helper process needs a second processor")
+        sharing.later(os.getpid)()  # it is ready
+        yield sharing
 
 
 @pytest.fixture
 def doomed():
-    with second_process() as second:
-        if second.process is None:
-            pytest.skip("a second process needs a second processor")
-        second.later(os.getpid)()
-        yield second
+    with helper() as sharing:
+        if sharing.helper is None:
+            pytest.skip("a helper process needs a second processor")
+        sharing.later(os.getpid)()
+        yield sharing
 
 
 @pytest.fixture(scope="module")
@@ -65,34 +70,34 @@ def expected(flown):
     return charts(*flown)
 
 
-def test_it_draws_the_same_bytes(second, flown, expected):
-    assert second.later(charts, *flown)() == expected
+def test_it_draws_the_same_bytes(shared, flown, expected):
+    assert shared.later(charts, *flown)() == expected
 
 
 def test_what_a_lost_process_owes_is_made_here(doomed, flown, expected):
-    os.kill(doomed.process.pid, signal.SIGKILL)
+    os.kill(doomed.helper.process.pid, signal.SIGKILL)
     assert doomed.later(charts, *flown)() == expected
 
 
-def test_both_take_their_part(second):
-    found = second.shared(square, [(number,) for number in range(8)])
+def test_both_take_their_part(shared):
+    found = shared.in_order(square, [(number,) for number in range(8)])
     assert [value for value, _ in found] == [number**2 for number in range(8)]
     assert len({process for _, process in found}) == 2
 
 
 def test_a_process_that_is_lost_half_way_costs_no_result(doomed):
     home = os.getpid()
-    found = doomed.shared(sulk, [(number, home) for number in range(8)])
+    found = doomed.in_order(sulk, [(number, home) for number in range(8)])
     assert [value for value, _ in found] == [number**2 for number in range(8)]
     assert found[6][1] == home
 
 
 @pytest.mark.parametrize("place", [0, 1, 6, 7])
-def test_an_error_reaches_the_caller_from_either_end(second, place):
+def test_an_error_reaches_the_caller_from_either_end(shared, place):
     calls = [(number,) for number in range(10, 18)]
     calls[place] = (7,)
     with pytest.raises(IndexError, match="seven"):
-        second.shared(refuse, calls)
+        shared.in_order(refuse, calls)
 
 
 def test_who_stops_does_not_wait_for_what_runs_there(doomed):
@@ -100,11 +105,10 @@ def test_who_stops_does_not_wait_for_what_runs_there(doomed):
     results = doomed.as_done(time.sleep, [(0.0,), (30.0,)])
     next(results)
     results.close()
-    doomed.process.join()
-    assert doomed.process.exitcode == -signal.SIGKILL
+    assert doomed.helper.process.wait(5.0) == -signal.SIGKILL
 
 
-def test_trackers_are_the_same_bytes(second):
+def test_trackers_are_the_same_bytes():
     kinds = {"plain": "kalman", "told": "linear_feedback", "limited": "saturated_control", "many": "imm"}
     tables = {name: {"kind": kind} for name, kind in kinds.items()}
     radar = {"radar": {"kind": "surveillance_radar"}}
@@ -113,8 +117,10 @@ def test_trackers_are_the_same_bytes(second):
     )
     flight = fly(prepared)
     records = observe(flight, prepared.scenario.sensors, 1, 0, 5)
-    tracks, figures = track(prepared, flight, records, {}, 0, second)
-    alone, theirs = track(prepared, flight, records, {}, 0, ALONE)
+    alone, theirs = track(prepared, flight, records, {})
+    with helper() as sharing:
+        tracks, figures = track(prepared, flight, records, {})
+        assert sharing.helper is None or sharing.later(has_imported, "sim.estimation.tracking_run")()
     assert figures == theirs
     assert list(tracks) == list(alone) == list(kinds)
     for name in kinds:
@@ -123,7 +129,21 @@ def test_trackers_are_the_same_bytes(second):
 
 
 def test_what_is_not_worth_a_process_is_done_here(flown, expected):
-    with second_process(worth_it=False) as second:
-        assert second.process is None
-        assert second.later(charts, *flown)() == expected
-        assert [value for value, _ in second.shared(square, [(2,), (3,)])] == [4, 9]
+    with helper(worth_it=False) as sharing:
+        assert sharing.helper is None
+        assert sharing.later(charts, *flown)() == expected
+        assert [value for value, _ in sharing.in_order(square, [(2,), (3,)])] == [4, 9]
+
+
+def test_work_is_shared_within_the_block_and_nowhere_else():
+    before = current()
+    with helper(worth_it=False) as outer:
+        with helper() as inner:
+            assert current() is inner is not outer
+        assert current() is outer
+    assert current() is before
+
+
+def test_ctrl_c_is_not_the_helper_s_affair(shared):
+    os.kill(shared.helper.process.pid, signal.SIGINT)
+    assert shared.helper.call(abs, -3) == 3

@@ -1,6 +1,6 @@
 """The bundled scenarios that join flights, sensors and trackers: they hold together, show what they say, take abuse.
 
-Full size with intervals: tests/acceptance/test_join_*.py.
+Full size with intervals: tests/acceptance, closed_loop, conformance, default_scenario and papers_on_jsbsim.
 """
 
 from __future__ import annotations

@@ -12,9 +12,8 @@ from sim import experiment
 from sim.flight.preparation import prepare
 from sim.scenario.reading import read
 from sim.studies import flight_cache
-from sim.studies import job as ensemble
 from sim.studies import study as studies
-from sim.studies.job import Job
+from sim.studies.job import Job, fly
 from tests.capture import CAPTURE
 
 TABLES = {
@@ -190,6 +189,6 @@ def test_a_flight_comes_back_as_it_was_left(tmp_path):
 def test_a_folder_without_a_cache_is_flown_all_the_same(tmp_path, flown):
     cell = studies.designed_cells(studies.plan(read({**TABLES, "study": {"axes": {"wind.speed_mps": [1.0]}}})))[0]
     job = Job(0, 0, 0, {}, {**cell, "until_s": 1.0}, {}, str(tmp_path / "nowhere"))
-    assert json.loads(json.dumps(ensemble.fly(job)))["metrics"]["outcome"] == "completed"
+    assert json.loads(json.dumps(fly(job)))["metrics"]["outcome"] == "completed"
     assert flown == [0]
     assert not (tmp_path / "nowhere").exists()

@@ -1,0 +1,26 @@
+"""HTML pages from templates: the one place that knows how they are rendered."""
+
+from __future__ import annotations
+
+from importlib import resources
+from typing import Any
+
+
+def rendered(template: str, **values: Any) -> str:
+    """A page from one of the templates; every value is escaped, and one that is missing is an error."""
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.FunctionLoader(text_of),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
+    return environment.get_template(template).render(**values)
+
+
+def text_of(name: str) -> str:
+    """The text of a file beside the templates."""
+    return (resources.files("sim.reporting.templates") / name).read_text(encoding="utf-8")

@@ -1,0 +1,125 @@
+"""Work shared with a helper process: trackers and figures of a run, claims of a ledger.
+
+Whoever has calls to make asks for `current`. Within `with helper():` a part of them is made over there; what comes of
+them is the same when they are made here, and here they are made where there is no helper or it is lost.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar
+from queue import SimpleQueue
+from typing import Any
+
+from sim.workers.helper_process import HelperProcess, Lost
+
+
+class Sharing:
+    """Calls in a helper process, one after the other, and in this one."""
+
+    def __init__(self, helper: HelperProcess | None = None) -> None:
+        self.helper = helper
+        self._thread = ThreadPoolExecutor(1)  # waits for the answers; costs nothing until it is used
+
+    def later(self, function: Callable[..., Any], *arguments: Any) -> Callable[[], Any]:
+        """Begin a call there, at once; what is returned gives its result, and makes it here where it must."""
+        begun: Future[Any] | None = None
+        if self.helper is not None:
+            begun = self._thread.submit(self.helper.call, function, *arguments)
+
+        def result() -> Any:
+            if begun is not None:
+                try:
+                    return begun.result()
+                except Lost:
+                    pass
+            return function(*arguments)
+
+        return result
+
+    def as_done(self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
+        """Number and result of a function for several arguments, as each ends.
+
+        This process begins with the first call, the other with the last. Raises what the function raises.
+        """
+        waiting = deque(enumerate(calls))
+        done: SimpleQueue[tuple[int, Any]] = SimpleQueue()
+
+        def there(helper: HelperProcess) -> None:
+            while (call := _taken(waiting.pop)) is not None:
+                try:
+                    done.put((call[0], helper.call(function, *call[1])))
+                except Lost:
+                    waiting.append(call)
+                    return
+
+        def here() -> Iterator[tuple[int, Any]]:
+            while (call := _taken(waiting.popleft)) is not None:
+                yield call[0], function(*call[1])
+                while not done.empty():
+                    yield done.get()
+
+        if self.helper is not None:
+            fed = self._thread.submit(there, self.helper)
+            try:
+                yield from here()
+                fed.result()
+            except BaseException as error:
+                waiting.clear()  # nothing more is begun there
+                if not isinstance(error, Exception):
+                    self.helper.process.kill()  # stopped: its last call is not waited for
+                raise
+        while not done.empty():
+            yield done.get()
+        yield from here()  # all of it, or what a lost process has left
+
+    def in_order(self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> list[Any]:
+        """The results of `as_done` in the order of the calls."""
+        found = dict(self.as_done(function, calls))
+        return [found[number] for number in range(len(calls))]
+
+    def stop(self) -> None:
+        """End the helper at once, whatever it does."""
+        if self.helper is not None:
+            self.helper.process.kill()
+            self._thread.shutdown(cancel_futures=True)
+            self.helper.end()
+
+
+ALONE = Sharing()
+_current: ContextVar[Sharing] = ContextVar("sharing", default=ALONE)
+
+
+def current() -> Sharing:
+    """With whom work is shared just now: a helper, or nobody."""
+    return _current.get()
+
+
+@contextmanager
+def helper(worth_it: bool = True, ready: Callable[[], None] | None = None) -> Iterator[Sharing]:
+    """Share work with a helper process that first gets ``ready``; with nobody where that is not worth it.
+
+    It never is where there is no second processor.
+    """
+    processors = len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(2))
+    sharing = Sharing(HelperProcess()) if worth_it and processors > 1 else ALONE
+    before = _current.set(sharing)
+    try:
+        if ready is not None and sharing is not ALONE:
+            sharing.later(ready)
+        yield sharing
+    finally:
+        _current.reset(before)
+        sharing.stop()
+
+
+def _taken(end: Callable[[], Any]) -> Any:
+    """A call from one end of those that wait; None when there is none."""
+    try:
+        return end()
+    except IndexError:
+        return None
