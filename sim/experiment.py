@@ -19,9 +19,9 @@ from sim.flight.record import Flight
 from sim.metrics.checks import evaluate_checks, unknown_names
 from sim.metrics.flight import flight_metrics, summarise
 from sim.metrics.navigation import navigation_quality
-from sim.metrics.warnings import warnings
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
+from sim.reporting.text.warnings import warnings
 from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.budget import refuse_too_much

@@ -1,8 +1,8 @@
 """Judge: figures of a flight and of its trackers, and the checks that hold them against limits.
 
-``signals`` are what can be asked of a flight at every instant, ``flight`` its figures, ``table`` one row for each of
-them; ``windshear`` what the air takes. ``comparison`` brings truth and estimates to common channels, ``tracker`` counts
-the errors there, ``error_curves`` has them over time, ``conformance`` asks whether the law is followed, ``navigation``
-how good the estimate was that was flown on. ``checks`` are limits with their margins, ``warnings`` what a reader should
-know besides.
+``signals`` are what can be asked of a flight at every instant, ``table`` has one row for each of its figures, which
+``figures`` work out and ``flight`` puts together; ``windshear`` what the air takes. ``comparison`` brings truth and
+estimates to common channels, ``tracker`` counts the errors there, ``error_curves`` has them over time, ``conformance``
+asks whether the law is followed, ``navigation`` how good the estimate was that was flown on. ``checks`` are limits with
+their margins.
 """
