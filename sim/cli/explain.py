@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+from aircraft.errors import TrimError
 from aircraft.linearise import linearise
 from aircraft.modes import LEVEL_SOURCE, flying_qualities, modes
-from aircraft.trim import TrimError, trim
+from aircraft.trim import trim
 from autopilot.limit_cycles import caught, least_offset, limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
@@ -17,6 +18,7 @@ from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared, prepare
 from sim.flight.weather import words
 from sim.metrics import windshear
 from sim.scenario.model import Scenario
+from sim.scenario.tables import Check
 from sim.workers.isolation import run_isolated
 
 
@@ -28,6 +30,7 @@ def explain(scenario: Scenario) -> str:
         parts.append(run_isolated(scenario, MODEL_TIME_LIMIT, _aircraft, prepared))
         parts += windshear.outlook(prepared)
     parts.append(_law(prepared))
+    rows: list[tuple[str, ...]]
     if scenario.departures:
         rows = [("the law is left at s", "what no tracker is told")]
         rows += [(f"{one.at:.0f}", in_words(one)) for one in sorted(scenario.departures, key=lambda one: one.at)]
@@ -74,7 +77,7 @@ def _aircraft(prepared: Prepared) -> str:
     conditions = [(leg.speed, prepared.autopilot.flaps, 0.0, 0.0, leg.height) for leg in legs]
     if landing is not None:
         conditions.append((landing.approach_speed, landing.flaps, 1.0, -landing.glide_path, 0.5 * legs[-1].height))
-    trims = [("speed m/s", "flaps deg", "path deg", "alpha deg", "throttle", "elevator")]
+    trims: list[tuple[str, ...]] = [("speed m/s", "flaps deg", "path deg", "alpha deg", "throttle", "elevator")]
     natural = [("speed m/s", "mode", "frequency rad/s", "damping", "time s")]
     grades = [("speed m/s", "requirement", "value", "level")]
     for speed, flaps, gear, path, height in dict.fromkeys(conditions):
@@ -141,6 +144,6 @@ def _during(during: str | tuple[str, ...]) -> str:
     return during if isinstance(during, str) else ", ".join(during)
 
 
-def _limits(check: object) -> str:
+def _limits(check: Check) -> str:
     low, high = check.min, check.max
     return " ".join(f"{sign} {value:g}" for sign, value in ((">=", low), ("<=", high)) if value is not None)

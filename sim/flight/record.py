@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from aircraft.state import AircraftState, Command
-from autopilot.route import PathDeviation, Route
+from autopilot.route import ArrayDeviation, PathDeviation, Route
 
 RECORD_STEP = 1.0 / 30.0  # s, of the record and of the autopilot
 
@@ -43,7 +43,7 @@ class Flight:
         return np.asarray(self.state.time)
 
     @property
-    def deviation(self) -> PathDeviation:
+    def deviation(self) -> PathDeviation | ArrayDeviation:
         """Deviation from the leg that was active, of arrays (k,)."""
         s = self.state
         return self.route.deviation(self.leg, (s.north, s.east), (s.velocity_north, s.velocity_east), s.heading)
@@ -52,7 +52,7 @@ class Flight:
     def wind(self) -> np.ndarray:
         """(3, k) m/s north, east, up: the way the air moves, from the velocity over the ground and through the air."""
         s = self.state
-        return np.array((s.velocity_north, s.velocity_east, s.velocity_up)) - np.array(s.air_velocity)
+        return np.asarray(np.array((s.velocity_north, s.velocity_east, s.velocity_up)) - np.array(s.air_velocity))
 
     def during(self, phases: str | tuple[str, ...]) -> np.ndarray:
         """(k,) bool: where one of the phases was flown.
