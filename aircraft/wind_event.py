@@ -38,7 +38,10 @@ class WindEvent(Protocol):
         ...
 
     def words(self) -> str:
-        """What it is, how strong, and where or when, in one phrase: "gust of 9.0 m/s up, from 60 s for 3 s"."""
+        """How strong it is, and where or when, in one phrase such as "9.0 m/s up, from 60 s for 3 s".
+
+        Whoever asks says the kind before it: "gust of 9.0 m/s up, from 60 s for 3 s".
+        """
         ...
 
     def outline(self) -> Outline:

@@ -23,14 +23,14 @@ def scaled(share: float, full: tuple[float, float, float]) -> tuple[float, float
     return (share * full[0], share * full[1], share * full[2]) if share else (0.0, 0.0, 0.0)
 
 
-def phrase(what: str, event: Any, where: str) -> str:
-    """What blows how much, from where, and when; ``where`` begins with a comma."""
+def phrase(event: Any, where: str = "") -> str:
+    """How much blows, from where, and when; ``where`` begins with a comma."""
     parts = []
     if event.up:
         parts.append(f"{abs(event.up):.1f} m/s {'up' if event.up > 0.0 else 'down'}")
     if event.speed:
         parts.append(f"{event.speed:.1f} m/s from {math.degrees(event.from_) % 360:03.0f} deg")
-    return f"{what} of {' and '.join(parts) or 'no strength'}{where}{time_in_words(event.at, event.lasts)}"
+    return f"{' and '.join(parts) or 'no strength'}{where}{time_in_words(event.at, event.lasts)}"
 
 
 def place_in_words(past_threshold: float, right: float = 0.0) -> str:

@@ -69,9 +69,9 @@ class Gust:
     def words(self) -> str:
         """A gust at a place has a length."""
         if self.length is None or self.past_threshold is None:
-            return phrase("gust", self, "")
+            return phrase(self)
         where = place_in_words(self.past_threshold, self.right)
-        return phrase("gust", self, f", {self.length:.0f} m long, {where}")
+        return phrase(self, f", {self.length:.0f} m long, {where}")
 
     def outline(self) -> Outline:
         """The edge of a gust at a place."""

@@ -89,9 +89,9 @@ class Microburst:
         return strength * out * north, strength * out * east, strength * up
 
     def words(self) -> str:
-        """What, how strong, how large, where and when."""
+        """How strong, how large, where and when."""
         where, when = place_in_words(self.past_threshold, self.right), time_in_words(self.at, self.lasts)
-        return f"microburst of {self.peak:.1f} m/s, {self.radius:.0f} m in radius, {where}{when}"
+        return f"{self.peak:.1f} m/s, {self.radius:.0f} m in radius, {where}{when}"
 
     def outline(self) -> Outline:
         """Where the outflow is greatest."""

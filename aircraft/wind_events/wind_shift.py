@@ -67,8 +67,8 @@ class WindShift:
     def words(self) -> str:
         """A shift at a place grows over a length."""
         if self.length is None or self.past_threshold is None:
-            return phrase("wind shift", self, "")
-        return phrase("wind shift", self, f", over {self.length:.0f} m from {place_in_words(self.past_threshold)}")
+            return phrase(self)
+        return phrase(self, f", over {self.length:.0f} m from {place_in_words(self.past_threshold)}")
 
     def outline(self) -> Outline:
         """None: it blows on everything behind its line."""

@@ -50,7 +50,7 @@ def explain(scenario: Scenario) -> str:
 def _head(prepared: Prepared) -> str:
     s = prepared.scenario
     mass = f", {s.aircraft.mass:.0f} kg" if s.aircraft.mass else ""
-    return f"{s.name}: {s.aircraft.model}{mass}; {'; '.join(words(s.wind))}; seed {s.seed}"
+    return f"{s.name}: {s.aircraft.model}{mass}; {'; '.join(words(s))}; seed {s.seed}"
 
 
 def _route(prepared: Prepared) -> str:

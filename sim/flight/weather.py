@@ -29,8 +29,9 @@ def air(table: WindTable, runway: Runway, noise: np.random.Generator | None = No
     return Together(tuple(parts))
 
 
-def words(table: WindTable) -> list[str]:
+def words(scenario: Scenario) -> list[str]:
     """What there is of wind, shear, turbulence and events, a phrase each."""
+    table = scenario.wind
     said = ["no steady wind"]
     if table.speed > 0.0:
         measured = "" if table.profile is None else f" {table.tower:.3g} m up, {table.shear} shear"
@@ -38,7 +39,7 @@ def words(table: WindTable) -> list[str]:
     if table.intensity > 0.0:
         level = "" if table.turbulence == "none" else f"{table.turbulence} "
         said.append(f"{level}turbulence, {table.intensity:.1f} m/s at 20 ft")
-    return said + [f"{name}: {event.words()}" for name, event in table.events.items()]
+    return said + [f"{name}: {kind_in_words(scenario, name)} of {one.words()}" for name, one in table.events.items()]
 
 
 def kind_in_words(scenario: Scenario, name: str) -> str:

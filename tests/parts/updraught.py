@@ -42,9 +42,9 @@ class Updraught:
         return 0.0, 0.0, self.up * max(1.0 - (from_middle / self.radius) ** 2, 0.0)
 
     def words(self) -> str:
-        """For explain and the report."""
+        """For explain and the report, which say "updraught of" before it."""
         when = "" if self.at is None else f", from {self.at:.0f} s for {self.lasts:.3g} s"
-        return f"updraught of {self.up:.1f} m/s, {self.radius:.0f} m in radius{when}"
+        return f"{self.up:.1f} m/s, {self.radius:.0f} m in radius{when}"
 
     def outline(self) -> Outline:
         """For the plan view."""

@@ -43,7 +43,7 @@ def _subtitle(scenario: Any, metrics: dict[str, Any]) -> list[str]:
     if aircraft.mass is not None:
         parts.append(f"{aircraft.mass / 1000:.1f} t")
     parts.append(f"law {words(scenario.mode)}, bank limit {np.degrees(scenario.autopilot.bank_limit):.0f} deg")
-    parts += weather.words(scenario.wind)
+    parts += weather.words(scenario)
     parts.append(f"seed {metrics.get('seed', scenario.seed)}")
     if metrics.get("flights", 1) > 1:
         parts.append(f"first of {metrics['flights']} flights")

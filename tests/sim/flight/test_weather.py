@@ -5,11 +5,15 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
+import shutil
+import sys
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from aircraft import wind_events
 from aircraft.airframe import load
 from aircraft.errors import TrimError
 from aircraft.trim import trim
@@ -33,8 +37,12 @@ BURST = {"kind": "microburst", "peak_mps": 12.0, "past_threshold_m": 2500.0, "ri
 GUST = {"kind": "gust", "up_mps": 6.0, "at_s": 20.0, "lasts_s": 4.0}
 
 
+def windy(**table):
+    return read({**LINE, "wind": table})
+
+
 def wind(**table):
-    return read({**LINE, "wind": table}).wind
+    return windy(**table).wind
 
 
 def faults(**table):
@@ -119,8 +127,8 @@ def test_schema_and_listing_know_the_kinds():
 
 
 def test_words_say_what_there_is():
-    assert words(wind()) == ["no steady wind"]
-    said = words(wind(from_deg=110, speed_mps=8, shear="power", turbulence="light", events={"b": BURST, "g": GUST}))
+    assert words(windy()) == ["no steady wind"]
+    said = words(windy(from_deg=110, speed_mps=8, shear="power", turbulence="light", events={"b": BURST, "g": GUST}))
     assert said == [
         "wind from 110 deg at 8.0 m/s 10 m up, power shear",
         "light turbulence, 7.7 m/s at 20 ft",
@@ -128,10 +136,10 @@ def test_words_say_what_there_is():
         "g: gust of 6.0 m/s up, from 20 s for 4 s",
     ]
     side = {"kind": "gust", "speed_mps": 5.0, "from_deg": 350, "past_threshold_m": -900.0, "length_m": 200.0}
-    told = wind(events={"g": side}).events["g"].words()
-    assert told == "gust of 5.0 m/s from 350 deg, 200 m long, 900 m before the threshold"
-    told = wind(events={"s": {**side, "kind": "wind_shift"}}).events["s"].words()
-    assert told == "wind shift of 5.0 m/s from 350 deg, over 200 m from 900 m before the threshold"
+    _, told = words(windy(events={"g": side}))
+    assert told == "g: gust of 5.0 m/s from 350 deg, 200 m long, 900 m before the threshold"
+    _, told = words(windy(events={"s": {**side, "kind": "wind_shift"}}))
+    assert told == "s: wind shift of 5.0 m/s from 350 deg, over 200 m from 900 m before the threshold"
 
 
 # ---- the air that is built ---------------------------------------------------------------------------------------
@@ -305,6 +313,17 @@ def test_the_report_names_what_the_weather_stands_on():
     equations, papers, _ = sources(what_ran(scenario, prepare(scenario).law))
     assert {"CS 25.341(a)", "MIL-F-8785C, wind shear model"} <= {equation.tag for equation in equations}
     assert any("TM-104053" in paper for paper in papers)
+
+
+def test_an_event_is_called_by_its_kind_even_where_its_file_is_a_copy(tmp_path, monkeypatch):
+    folders = list(wind_events.__path__)
+    shutil.copy(Path(folders[0]) / "gust.py", tmp_path / "updraught.py")
+    monkeypatch.setattr(wind_events, "__path__", [*folders, str(tmp_path)])
+    assert words(windy(events={"u": {"kind": "updraught", "up_mps": 5.0, "at_s": 10, "lasts_s": 5}})) == [
+        "no steady wind",
+        "u: updraught of 5.0 m/s up, from 10 s for 5 s",
+    ]
+    monkeypatch.delitem(sys.modules, "aircraft.wind_events.updraught")
 
 
 def test_a_drawn_spectrum_has_the_variance_of_its_record():
