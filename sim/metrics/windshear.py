@@ -103,7 +103,7 @@ def steepest_climb(prepared: Prepared) -> float:
             steady = trim(airframe, landing.approach_speed, angle, 100.0, landing.flaps, 1.0)
         except TrimError:
             return False
-        return steady.controls.throttle <= 1.0
+        return bool(steady.controls.throttle <= 1.0)
 
     low, high = -landing.glide_path, STEEPEST
     if not within(low):
