@@ -12,10 +12,11 @@ from aircraft.data import AircraftData
 from aircraft.errors import FlightError, ModelError, TrimError
 from aircraft.runway import Runway as Place
 from aircraft.slowest import complete
-from autopilot.approach import PHASES, Approach, Landing
+from autopilot.approach import PHASES, Approach
 from autopilot.departure import Departing
 from autopilot.design import Designed, law_of_frequency
 from autopilot.estimate_lag import softened
+from autopilot.landing import Landing
 from autopilot.mode import DesignCase, Mode, missing
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, Route, pattern_route

@@ -10,8 +10,7 @@ from sim.scenario.tables import (
     AutopilotTable,
     Check,
     Departure,
-    LegsTable,
-    PatternTable,
+    Route,
     Runway,
     Start,
     StudyTable,
@@ -43,7 +42,7 @@ class Scenario:
     runway: Runway
     aircraft: AircraftChoice
     start: Start
-    route: PatternTable | LegsTable
+    route: Route
     autopilot: AutopilotTable
     mode: str  # kind of law, a file of autopilot/modes
     law: dict[str, Any]  # what the file sets of it, SI; the rest is designed

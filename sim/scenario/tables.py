@@ -167,6 +167,9 @@ class LegsTable:
                 raise ValueError(f"leg {i} ends {before.to}, leg {i + 1} begins {after.from_}: legs must join")
 
 
+Route = PatternTable | LegsTable
+
+
 @dataclass(frozen=True)
 class AutopilotTable:
     """The route autopilot: which law, its limits, and what it navigates on."""
