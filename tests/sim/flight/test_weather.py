@@ -323,7 +323,7 @@ def test_an_event_is_called_by_its_kind_even_where_its_file_is_a_copy(tmp_path, 
         "no steady wind",
         "u: updraught of 5.0 m/s up, from 10 s for 5 s",
     ]
-    monkeypatch.delitem(sys.modules, "aircraft.wind_events.updraught")
+    del sys.modules["aircraft.wind_events.updraught"]
 
 
 def test_a_drawn_spectrum_has_the_variance_of_its_record():
