@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -26,6 +27,7 @@ from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.budget import refuse_too_much
 from sim.scenario.model import Scenario
+from sim.scenario.plugins import Part, catalogue_with, digests, load_parts
 from sim.scenario.toml_writer import dumps
 from sim.versions import versions
 from sim.workers.executors import FLIGHT_TIME_LIMIT
@@ -35,12 +37,16 @@ from sim.workers.sharing import helper
 FEW = 4  # trackers are done before a helper process has got ready
 
 
-def read(source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Scenario:
+def read(
+    source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None, *, plugins: Any = ()
+) -> Scenario:
     """A scenario from a file, a bundled name or a dict of tables, with ``{"table.key": value}`` overrides.
+
+    ``plugins`` bring kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``.
 
     Raises ``ScenarioError`` with one line for each fault, metrics and phases of checks that no flight has among them.
     """
-    return reading.read(source, overrides, checks=unknown_names)
+    return reading.read(source, overrides, plugins=plugins, checks=unknown_names)
 
 
 def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
@@ -72,6 +78,7 @@ def run(
     draws: int | None = None,
     overrides: dict[str, Any] | None = None,
     trackers: dict[str, Any] | None = None,
+    plugins: Any = (),
     progress: Callable[..., Any] | None = None,
 ) -> Result:
     """Read, fly, observe, track and judge a scenario.
@@ -81,6 +88,7 @@ def run(
     source : a file, a bundled name, a dict of tables or a scenario
     overrides : ``{"table.key": value}`` in the spelling of files
     trackers : further trackers by name, objects of the ``tracking.track.Tracker`` protocol
+    plugins : what brings kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``
 
     Raises ``ScenarioError`` for anything that cannot be run.
     """
@@ -88,9 +96,10 @@ def run(
     with timed(timing, "prepare_s"):
         given = {"seed": seed, "flights": flights, "draws": draws}
         changes = {**(overrides or {}), **{key: value for key, value in given.items() if value is not None}}
+        catalogue = catalogue_with(plugins)
         if isinstance(source, Scenario):
-            source = source.tables
-        scenario = read(source, changes)
+            catalogue, source = catalogue.also(source.parts), source.tables
+        scenario = read(source, changes, plugins=catalogue)
         refuse_too_much(scenario)
         prepared = prepare(scenario)
         check(prepared, trackers)
@@ -109,7 +118,7 @@ def run(
         "seed": scenario.seed,
         "flights": scenario.flights,
         "draws": scenario.draws,
-        "versions": versions(),
+        "versions": versions(digests(scenario.parts)),
         "flight": {**found.flight, "navigated": found.navigated},
         "flights_summary": summarise([found.flight, *others]),
         "trackers": found.trackers,
@@ -162,14 +171,18 @@ def _on_truth(prepared: Prepared) -> dict[str, Any]:
 
 
 def run_to_folder(
-    source: str, overrides: dict[str, Any], out: Path | None, progress: Callable[..., Any] | None = None
+    source: str,
+    overrides: dict[str, Any],
+    out: Path | None,
+    progress: Callable[..., Any] | None = None,
+    plugins: Any = (),
 ) -> tuple[Path, Result]:
     """Run a scenario into a folder, ``out/NAME`` unless told otherwise."""
     started = time.perf_counter()
-    scenario = read(source, overrides)
+    scenario = read(source, overrides, plugins=plugins)
     folder = out if out is not None else Path("out") / scenario.name
     refuse_foreign(folder, "run")
-    with helper(len(scenario.trackers) >= FEW, _get_ready):
+    with helper(len(scenario.trackers) >= FEW, functools.partial(_get_ready, scenario.parts)):
         result = run(scenario, progress=progress)
         claim(folder, "run")
         with staged(folder) as place:
@@ -179,8 +192,9 @@ def run_to_folder(
     return folder, result
 
 
-def _get_ready() -> None:
-    """In the helper process: what takes long to import, while the aircraft still flies."""
+def _get_ready(parts: tuple[Part, ...]) -> None:
+    """In the helper process: parts whose values will come, and what takes long to import, while the aircraft flies."""
+    load_parts(parts)
     from sim.reporting.figures.flight import charts  # noqa: F401
     from sim.reporting.figures.style import get_ready
 

@@ -10,9 +10,9 @@ from typing import Annotated, Any
 from sim.errors import ScenarioError
 from sim.estimation.clutter import AmongFalsePlots
 from sim.flight.preparation import Prepared
-from sim.scenario import catalogue
 from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
+from sim.scenario.plugins import is_outside, said
 from tracking.contract import missing_members
 from tracking.measurement import DebiasedPolar, LinearMeasurement, Stacked
 
@@ -53,14 +53,15 @@ def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, st
 
     Raises ``ScenarioError`` where its sensors do not give what it needs.
     """
-    tracker, law_from = build_class(catalogue.load("trackers", choice.kind), prepared, name, choice)
+    tracker, law_from = untried(prepared, name, choice)
     for missing in missing_members(tracker):
         raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}': {missing}")
     return tracker, law_from
 
 
-def build_class(cls: type, prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, str | None]:
-    """`build` for a class that need not stand in the catalogue; `tracking.track` lists what a tracker may be given."""
+def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, str | None]:
+    """`build` for a class that may be no tracker; `tracking.track` lists what a tracker may be given."""
+    cls = choice.cls
     wanted = _given(cls)
     sensors = {sensor: prepared.scenario.sensors[sensor] for sensor in choice.sensors}
     supplied: dict[str, Any] = {}
@@ -92,6 +93,10 @@ def build_class(cls: type, prepared: Prepared, name: str, choice: TrackerChoice)
         tracker = construct(cls, choice.table, **supplied)
     except ValueError as error:
         raise ScenarioError(f"[trackers.{name}] {error}") from None
+    except Exception as error:
+        if not is_outside(cls):
+            raise
+        raise ScenarioError(f"[trackers.{name}] making it raises {said(error)}") from None
     if choice.association is None:
         if _with_clutter(sensors):
             raise ScenarioError(

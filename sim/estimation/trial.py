@@ -11,7 +11,7 @@ import numpy as np
 
 from sim.errors import ScenarioError
 from sim.estimation.prior import prior
-from sim.estimation.setup import build_class
+from sim.estimation.setup import untried
 from sim.flight.loop import fly
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Flight
@@ -43,9 +43,9 @@ def maker(cls: type, kind: str = "it") -> Callable[[], Trial]:
         prepared, flight, records = _toy()
         refused = ScenarioError("there are no sensors")
         for sensors in _choices(tuple(records)):
-            choice = TrackerChoice(kind, sensors, None, getattr(cls, "example", {}), {})
+            choice = TrackerChoice(kind, cls, sensors, None, getattr(cls, "example", {}), {})
             try:
-                tracker, _ = build_class(cls, prepared, kind, choice)
+                tracker, _ = untried(prepared, kind, choice)
             except ScenarioError as error:
                 refused = error
                 continue

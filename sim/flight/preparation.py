@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any
 
 from aircraft.airframe import Wind
 from aircraft.data import AircraftData
-from aircraft.errors import FlightError, ModelError, TrimError
+from aircraft.errors import ModelError
 from aircraft.runway import Runway as Place
 from aircraft.slowest import complete
 from autopilot.approach import PHASES, Approach
@@ -17,11 +18,11 @@ from autopilot.departure import Departing
 from autopilot.design import Designed, law_of_frequency
 from autopilot.estimate_lag import softened
 from autopilot.landing import Landing
-from autopilot.mode import DesignCase, Mode, missing
+from autopilot.mode import DesignCase, Mode
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, Route, pattern_route
 from autopilot.stabilised_gate import StabilisedGate
-from sim.errors import ScenarioError, did_you_mean
+from sim.errors import did_you_mean
 from sim.flight import departures
 from sim.flight.outcomes import Limits
 from sim.flight.vehicles import (
@@ -36,8 +37,9 @@ from sim.flight.vehicles import (
 from sim.flight.weather import air
 from sim.randomness import Streams
 from sim.scenario import catalogue
-from sim.scenario.messages import told
+from sim.scenario.messages import at
 from sim.scenario.model import Scenario
+from sim.scenario.plugins import BUNDLED, is_outside, said
 from sim.scenario.tables import PatternTable
 from sim.workers.isolation import run_isolated
 
@@ -96,8 +98,7 @@ class Prepared:
         name it; nor are laws that those who watch could not tell by their name from one before.
         """
         laws: dict[str, Mode] = {self.law.intent: self.law}
-        for kind in catalogue.kinds("modes"):
-            mode = _mode(kind)
+        for mode in self._modes.values():
             if mode.standard and mode.intent not in laws:
                 laws[mode.intent] = mode.designed({}, self.case)
         return tuple(laws.values())[1:]
@@ -112,14 +113,19 @@ class Prepared:
 
         Raises ``ValueError`` where no mode is called so.
         """
-        kinds = catalogue.kinds("modes")
-        named = [name] if name in kinds else [kind for kind in kinds if _mode(kind).intent == f"{name} law"]
+        modes = self._modes
+        named = [name] if name in modes else [kind for kind in modes if modes[kind].intent == f"{name} law"]
         if self.scenario.mode in named:
             return self.law
         if not named:
-            short = [_mode(kind).intent.removesuffix(" law") for kind in kinds]
-            raise ValueError(f"flies: no law '{name}'; {did_you_mean(name, ['bank', 'offset', *short, *kinds])}")
-        return _mode(named[0]).designed({}, self.case)
+            short = [mode.intent.removesuffix(" law") for mode in modes.values()]
+            raise ValueError(f"flies: no law '{name}'; {did_you_mean(name, ['bank', 'offset', *short, *modes])}")
+        return modes[named[0]].designed({}, self.case)
+
+    @property
+    def _modes(self) -> dict[str, type[Mode]]:
+        """Every mode of the catalogue by its kind, and those from outside that the scenario names."""
+        return {kind: BUNDLED.load("modes", kind) for kind in catalogue.kinds("modes")} | self.scenario.modes
 
     @property
     def gate_height(self) -> float | None:
@@ -145,23 +151,21 @@ def prepare(scenario: Scenario) -> Prepared:
 
 
 def _prepared(scenario: Scenario) -> Prepared:
-    place = "[aircraft]"
-    try:
+    place = functools.partial(at, scenario.name)
+    with place("[aircraft]"):
         aircraft = _data(scenario)
         flaps, landing = _configuration(scenario, aircraft)
-        place = "[route]"
+    with place("[route]"):
         route = _route(scenario, landing)
-        place = "[aircraft]"
+    with place("[aircraft]"):
         gains = _designed(scenario, route, flaps, landing, aircraft)
         gains = softened(gains, max(leg.speed for leg in route.legs), scenario.autopilot.estimate_lag)
         turn_speed = min(leg.speed for leg in route.legs)
         lead = gains.time_to_roll(turn_speed, scenario.autopilot.roll_rate_limit)
         route = dataclasses.replace(route, time_to_roll=lead)
-        place = "[autopilot]"
-        mode = _mode(scenario.mode)
-        place = "[autopilot.law]"
-        law = _law(scenario, mode, _case(scenario, gains, route))
-        place = "[autopilot]"
+    with place("[autopilot.law]"):
+        law = _law(scenario, _case(scenario, gains, route))
+    with place("[autopilot]"):
         if landing is not None:
             landing = dataclasses.replace(landing, sideslip_bank=gains.bank_per_sideslip)
         autopilot = Approach(
@@ -174,19 +178,15 @@ def _prepared(scenario: Scenario) -> Prepared:
             allow_orbit=scenario.autopilot.allow_orbit,
             offset=abs(scenario.start.cross_track) if len(route.legs) == 1 else math.inf,
         )
-        place = "[start]"
+    with place("[start]"):
         initial = _initial(scenario, route, flaps, landing)
         vehicle = _vehicle(scenario, gains)
-        place = "[aircraft]"
+    with place("[aircraft]"):
         vehicle.read(vehicle.begin(initial, air(scenario.wind, scenario.runway)))  # it trims, or says why not
-        place = "[[departures]]"
+    with place("[[departures]]"):
         limits = Limits(scenario.until, scenario.runway)
         prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, _warnings(scenario, aircraft))
         _ = prepared.controller  # it can be left like that, or says why not
-    except (ModelError, TrimError, FlightError, ValueError) as error:
-        raise ScenarioError(told(scenario.name, [f"{place} {error}"])) from None
-    except ArithmeticError as error:
-        raise ScenarioError(f"{scenario.name}: {place} no design is possible with these numbers: {error}") from None
     return prepared
 
 
@@ -298,19 +298,6 @@ def _designed(
     return designed(_airframe(scenario), wanted, speed=fastest, bank_limit=bank_limit, height=highest)
 
 
-def _mode(kind: str) -> type[Mode]:
-    """The class of a mode; raises ``ValueError`` for a file that does not keep the contract."""
-    try:
-        cls = catalogue.load("modes", kind)
-    except TypeError as error:
-        raise ValueError(str(error)) from None
-    lacking = missing(cls)
-    if lacking:
-        names = ", ".join(f"'{name}'" for name in lacking)
-        raise ValueError(f"kind '{kind}' is no whole mode, it lacks {names}; autopilot/mode.py says what they are")
-    return cls
-
-
 def _case(scenario: Scenario, gains: Designed, route: Route) -> DesignCase:
     """What a law is designed for: the route law of the design, or that of the frequency which the file sets."""
     bank_limit, speed = scenario.autopilot.bank_limit, max(leg.speed for leg in route.legs)
@@ -319,9 +306,15 @@ def _case(scenario: Scenario, gains: Designed, route: Route) -> DesignCase:
     return DesignCase(bank_limit, gains.bank_bandwidth, speed, base.k1, base.k2, base.cross_track_limit)
 
 
-def _law(scenario: Scenario, mode: type[Mode], case: DesignCase) -> Mode:
+def _law(scenario: Scenario, case: DesignCase) -> Mode:
     """The law of the design with what the file sets of it."""
-    law = mode.designed(scenario.law, case)
+    mode: type[Mode] = scenario.modes[scenario.mode]
+    try:
+        law = mode.designed(scenario.law, case)
+    except Exception as error:
+        if not is_outside(mode) or isinstance(error, ValueError):
+            raise
+        raise ValueError(f"kind '{scenario.mode}' cannot be designed: {said(error)}") from None
     if scenario.autopilot.frequency_share is not None:
         flown = LateralNavigation.of(law)
         if flown is None or (flown.k1, flown.k2) != (case.k1, case.k2):

@@ -31,6 +31,7 @@ from sim.reporting.tracker_figures.charts import belief_charts, error_charts
 from sim.reporting.tracker_figures.error_curves import shown_trackers
 from sim.reporting.tracker_figures.model_probabilities import mode_names
 from sim.scenario.toml_writer import dumps
+from sim.versions import rows
 from sim.workers.sharing import current
 
 
@@ -41,7 +42,7 @@ def write(
     flight: Flight,
     law: Any,
     metrics: dict[str, Any],
-    versions: dict[str, str],
+    versions: dict[str, Any],
     timing: dict[str, float],
     tracked: dict[str, Any] | None = None,
     records: dict[str, Any] | None = None,
@@ -89,7 +90,7 @@ def write(
         draws=metrics.get("draws"),
         scenario_text=dumps(scenario.tables),
         law_rows=law_rows(law),
-        versions=sorted(versions.items()),
+        versions=rows(versions),
         timing=[(words(name.removesuffix("_s")), number(float(value), 2)) for name, value in timing.items()],
         aircraft_sources=aircraft_sources(scenario.aircraft.model),
         equations=equations,

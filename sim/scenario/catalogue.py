@@ -1,4 +1,7 @@
-"""The folder is the catalogue: a kind is a file's name, its class the dataclass that the file defines."""
+"""The folder is the catalogue: a kind is a file's name, its class the dataclass that the file defines.
+
+This is what is bundled; `sim.scenario.plugins` adds what is brought from outside.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,12 @@ FOLDERS = {
     "modes": ("autopilot.modes", "__call__"),
     "truths": ("sim.flight.truths", "fly"),
     "wind_events": ("aircraft.wind_events", "velocity"),
+}
+CONTRACTS = {  # family -> the module with its MEMBERS, and with what tries a class on them
+    "sensors": "sim.observation.sensor",
+    "trackers": "tracking.contract",
+    "modes": "autopilot.mode",
+    "wind_events": "aircraft.wind_event",
 }
 
 

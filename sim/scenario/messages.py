@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import typing
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from aircraft.errors import FlightError
 from aircraft.units import SUFFIXES
-from sim.errors import did_you_mean, printable
+from sim.errors import ScenarioError, did_you_mean, printable
 
 MOST_FAULTS = 20  # told at once
 LONGEST_VALUE = 60  # characters of a value that is quoted
@@ -36,13 +38,24 @@ TOLD = {  # pydantic's kind of error -> what the value must be
 }
 
 
-def told(origin: str, faults: Iterable[str]) -> str:
+def report_faults(origin: str, faults: Iterable[str]) -> str:
     """One line for each different fault, and at the end how many more there are."""
     different = list(dict.fromkeys(faults))
     lines = [printable(f"{origin}: {fault}") for fault in different[:MOST_FAULTS]]
     if len(different) > MOST_FAULTS:
         lines.append(f"{origin}: and {len(different) - MOST_FAULTS} more faults")
     return "\n".join(lines)
+
+
+@contextmanager
+def at(origin: str, place: str) -> Iterator[None]:
+    """What fails within is a fault of this place of a scenario."""
+    try:
+        yield
+    except (FlightError, ValueError) as error:
+        raise ScenarioError(report_faults(origin, [f"{place} {error}"])) from None
+    except ArithmeticError as error:
+        raise ScenarioError(f"{origin}: {place} no design is possible with these numbers: {error}") from None
 
 
 def faults_of(model: type[BaseModel], error: ValidationError) -> list[str]:

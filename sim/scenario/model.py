@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from sim.scenario.plugins import Part
 from sim.scenario.tables import (
     AircraftChoice,
     AutopilotTable,
@@ -23,6 +24,7 @@ class TrackerChoice:
     """One tracker of a scenario: its kind, what it listens to, who hands over, and the law it is told."""
 
     kind: str
+    cls: type[Any]  # of that kind
     sensors: tuple[str, ...]
     handover: str | None
     table: dict[str, Any]  # its own parameters, validated, as spelled in the file
@@ -44,7 +46,8 @@ class Scenario:
     start: Start
     route: Route
     autopilot: AutopilotTable
-    mode: str  # kind of law, a file of autopilot/modes
+    mode: str  # kind of law, a file of autopilot/modes or a part from outside
+    modes: dict[str, type[Any]]  # classes of the kinds of law that it names: of the autopilot, and of its departures
     law: dict[str, Any]  # what the file sets of it, SI; the rest is designed
     designed: dict[str, Any] | None  # gains as they travel to workers
     wind: WindTable
@@ -54,3 +57,4 @@ class Scenario:
     checks: tuple[Check, ...]
     study: StudyTable | None
     tables: dict[str, Any] = field(repr=False)  # the resolved file
+    parts: tuple[Part, ...] = field(default=(), repr=False)  # kinds from outside that it names

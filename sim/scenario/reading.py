@@ -12,10 +12,11 @@ from pydantic import ValidationError
 
 from aircraft.wind_event import broken_promises
 from sim.errors import ScenarioError, did_you_mean
-from sim.scenario import catalogue
-from sim.scenario.messages import faults_of, stem, told
+from sim.scenario import catalogue as bundled
+from sim.scenario.messages import faults_of, report_faults, stem
 from sim.scenario.model import Scenario, TrackerChoice
 from sim.scenario.parameters import construct, dump, given_values, parameters
+from sim.scenario.plugins import Catalogue, catalogue_with, is_outside, said
 from sim.scenario.schema import ROUTES, file_model, kind_of, parts_of
 from sim.scenario.tables import (
     AircraftChoice,
@@ -38,18 +39,21 @@ def read(
     source: str | Path | dict[str, Any],
     overrides: dict[str, Any] | None = None,
     *,
+    plugins: Any = (),
     checks: Callable[[dict[str, Any]], list[str]] | None = None,
 ) -> Scenario:
     """A scenario from a file, a bundled name or a dict of tables, with ``table.key`` overrides.
 
+    ``plugins`` bring kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``.
     ``checks`` tells what is wrong with the names in the tables' checks: which metrics there are is known to the caller.
 
     Raises ``ScenarioError`` with one line for each fault.
     """
+    catalogue = catalogue_with(plugins)
     origin, tables = _load(source)
     for address, value in (overrides or {}).items():
         tables = override(tables, address, value)
-    return _build(origin, tables, checks(tables) if checks is not None else [])
+    return _build(origin, tables, catalogue, checks(tables) if checks is not None else [])
 
 
 def override(tables: dict[str, Any], address: str, value: Any) -> dict[str, Any]:
@@ -87,9 +91,9 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
     if isinstance(source, dict):
         return "scenario", source
     path = Path(source)
-    bundled = catalogue.bundled(str(source))
-    origin = str(path) if bundled is None else f"{source}.toml"
-    content = _content(path, str(source)) if bundled is None else bundled.read_bytes()
+    ours = bundled.bundled(str(source))
+    origin = str(path) if ours is None else f"{source}.toml"
+    content = _content(path, str(source)) if ours is None else ours.read_bytes()
     if max(piece.count(b".") for piece in re.split(rb"[=,\[\]{}\n]", content)) > DEEPEST:
         raise ScenarioError(f"{origin}: not TOML: nested too deeply")
     try:
@@ -102,7 +106,7 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
     except RecursionError:
         raise ScenarioError(f"{origin}: not TOML: nested too deeply") from None
     except ValueError as error:  # of its grammar, or of a number with thousands of digits
-        raise ScenarioError(told(origin, [f"not TOML: {str(error).partition(';')[0]}"])) from None
+        raise ScenarioError(report_faults(origin, [f"not TOML: {str(error).partition(';')[0]}"])) from None
 
 
 def _content(path: Path, source: str) -> bytes:
@@ -120,19 +124,19 @@ def _content(path: Path, source: str) -> bytes:
             raise ScenarioError(f"{path}: {'no regular file' if path.exists() else 'no such file'}")
     except OSError as error:
         raise ScenarioError(f"{str(path)[:LONGEST_PATH]}: cannot be read: {error.strerror}") from None
-    near = did_you_mean(source, [*catalogue.scenarios(), *catalogue.studies()])
-    raise ScenarioError(told(f"no scenario '{source}'", [near]))
+    near = did_you_mean(source, [*bundled.scenarios(), *bundled.studies()])
+    raise ScenarioError(report_faults(f"no scenario '{source}'", [near]))
 
 
-def _build(origin: str, tables: dict[str, Any], told_of_checks: list[str]) -> Scenario:
+def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_checks: list[str]) -> Scenario:
     faults: list[str] = []
-    model = file_model(parts_of(tables, faults))
+    model = file_model(parts_of(tables, faults, catalogue))
     try:
         model.model_validate(tables)
     except ValidationError as error:
         faults += faults_of(model, error)
     if faults:
-        raise ScenarioError(told(origin, [*faults, *told_of_checks]))
+        raise ScenarioError(report_faults(origin, [*faults, *told_of_checks]))
     faults = list(told_of_checks)
 
     def table(name: str, cls: type) -> Any:
@@ -142,16 +146,19 @@ def _build(origin: str, tables: dict[str, Any], told_of_checks: list[str]) -> Sc
     route_kind = kind_of(tables.get("route", {}), "pattern")
     mode = kind_of(tables.get("autopilot", {}), "lateral_navigation") or ""
     autopilot_table = {k: v for k, v in tables.get("autopilot", {}).items() if k != "law"}
-    law_class = catalogue.load("modes", mode)
+    modes = _modes(faults, mode, tables.get("departures", []), catalogue)
     law_table = tables.get("autopilot", {}).get("law", {})
     sensors = {
         name: _construct(faults, f"[sensors.{name}]", catalogue.load("sensors", entry["kind"]), entry, runway=runway)
         for name, entry in tables.get("sensors", {}).items()
     }
-    trackers = {name: _tracker(faults, name, entry, tables) for name, entry in tables.get("trackers", {}).items()}
+    trackers = {
+        name: _tracker(faults, name, catalogue.load("trackers", entry["kind"]), entry, tables)
+        for name, entry in tables.get("trackers", {}).items()
+    }
     wind_table = tables.get("wind", {})
     events = {
-        name: _event(faults, f"[wind.events.{name}]", entry, runway)
+        name: _event(faults, f"[wind.events.{name}]", catalogue.load("wind_events", entry["kind"]), entry, runway)
         for name, entry in wind_table.get("events", {}).items()
     }
     scenario = {
@@ -166,7 +173,8 @@ def _build(origin: str, tables: dict[str, Any], told_of_checks: list[str]) -> Sc
         "route": table("route", ROUTES[route_kind or "pattern"]),
         "autopilot": _construct(faults, "[autopilot]", AutopilotTable, autopilot_table),
         "mode": mode,
-        "law": given_values(law_class, law_table),
+        "modes": modes,
+        "law": given_values(modes[mode], law_table),
         "designed": tables.get("designed"),
         "wind": _construct(faults, "[wind]", WindTable, wind_table, events=events),
         "sensors": sensors,
@@ -186,8 +194,28 @@ def _build(origin: str, tables: dict[str, Any], told_of_checks: list[str]) -> Sc
             f"[autopilot] navigation: no tracker '{navigation}'; {did_you_mean(navigation, ['truth', *trackers])}"
         )
     if faults:
-        raise ScenarioError(told(origin, faults))
-    return Scenario(**scenario, tables=_resolved(tables, scenario))
+        raise ScenarioError(report_faults(origin, faults))
+    named = [
+        *(("modes", name) for name in modes),
+        *(("sensors", entry["kind"]) for entry in tables.get("sensors", {}).values()),
+        *(("trackers", choice.kind) for choice in trackers.values()),
+        *(("wind_events", entry["kind"]) for entry in wind_table.get("events", {}).values()),
+    ]
+    parts = sorted({part for family, kind in named if (part := catalogue.named(family, kind)) is not None})
+    return Scenario(**scenario, tables=_resolved(tables, scenario), parts=tuple(parts))
+
+
+def _modes(faults: list[str], mode: str, departures: list[Any], catalogue: Catalogue) -> dict[str, type[Any]]:
+    """Classes of the modes that are named by their kind: of the autopilot, and of what it is left for."""
+    found = {mode: catalogue.load("modes", mode)}
+    for number, entry in enumerate(departures):
+        try:
+            found[entry["flies"]] = catalogue.load("modes", entry["flies"])
+        except KeyError:
+            continue  # a hand, or a law by its intent: prepare() knows them
+        except ScenarioError as error:
+            faults.append(f"[[departures]] entry {number} flies: {error}")
+    return found
 
 
 def _draws(faults: list[str], tables: dict[str, Any]) -> int:
@@ -204,19 +232,22 @@ def _construct(faults: list[str], place: str, cls: type, table: dict[str, Any], 
         return construct(cls, table, **given)
     except ValueError as error:
         faults.append(f"{place} {error}")
-        return None
+    except Exception as error:
+        if not is_outside(cls):
+            raise
+        faults.append(f"{place} making it raises {said(error)}")
+    return None
 
 
-def _event(faults: list[str], place: str, table: dict[str, Any], runway: Runway) -> Any:
+def _event(faults: list[str], place: str, cls: type, table: dict[str, Any], runway: Runway) -> Any:
     """A wind event that keeps its contract; what one breaks is a fault of the file that names it."""
-    cls = catalogue.load("wind_events", table["kind"])
     event = _construct(faults, place, cls, table, runway=runway)
     if event is not None:
         faults += [f"{place} kind '{table['kind']}': {broken}" for broken in broken_promises(cls, lambda: event)]
     return event
 
 
-def _tracker(faults: list[str], name: str, table: dict[str, Any], tables: dict[str, Any]) -> TrackerChoice:
+def _tracker(faults: list[str], name: str, cls: type, table: dict[str, Any], tables: dict[str, Any]) -> TrackerChoice:
     sensors, others = tables.get("sensors", {}), tables.get("trackers", {})
     wanted = table.get("sensors", list(sensors))
     for sensor in wanted:
@@ -229,7 +260,8 @@ def _tracker(faults: list[str], name: str, table: dict[str, Any], tables: dict[s
         rest = [other for other in others if other != name]
         faults.append(f"[trackers.{name}] handover: no other tracker '{handover}'; {did_you_mean(handover, rest)}")
     own = {k: v for k, v in table.items() if k not in ("kind", "sensors", "handover", "law", "association")}
-    return TrackerChoice(table["kind"], tuple(wanted), handover, own, table.get("law", {}), table.get("association"))
+    law, association = table.get("law", {}), table.get("association")
+    return TrackerChoice(table["kind"], cls, tuple(wanted), handover, own, law, association)
 
 
 def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import re
 import types
 import typing
+from collections.abc import Callable
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
-from sim.errors import did_you_mean
-from sim.scenario import catalogue
+from sim.errors import ScenarioError, did_you_mean
+from sim.scenario import catalogue as bundled
 from sim.scenario.parameters import model_of
+from sim.scenario.plugins import BUNDLED, Catalogue
 from sim.scenario.tables import (
     AircraftChoice,
     AutopilotTable,
@@ -28,6 +30,7 @@ from sim.scenario.tables import (
 MOST_NAMES = 50  # sensors or trackers of one scenario
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 ROUTES = {"pattern": PatternTable, "legs": LegsTable}
+FROM_OUTSIDE = "; others come with --plugin FILE"
 LAW_GIVEN = ("bank_limit",)  # stands in [autopilot] itself
 
 
@@ -41,16 +44,23 @@ class TrackerTable(BaseModel):
     law: dict[str, Annotated[float, Field(allow_inf_nan=False, strict=True)]] | None = None
 
 
-def _tracker_model(kind: str) -> type[BaseModel]:
-    own = model_of(catalogue.load("trackers", kind), kind)
-    return create_model(f"{kind}_tracker", __base__=(TrackerTable, own))
+def _tracker_model(cls: type, kind: str) -> type[BaseModel]:
+    return create_model(f"{kind}_tracker", __base__=(TrackerTable, model_of(cls, kind)))
 
 
-def _autopilot_model(mode: str) -> type[BaseModel]:
-    law = model_of(catalogue.load("modes", mode), partial=True, without=LAW_GIVEN)
+def _autopilot_model(cls: type, kind: str) -> type[BaseModel]:
+    law: Any = model_of(cls, partial=True, without=LAW_GIVEN)
     return create_model(
-        f"{mode}_autopilot", __base__=model_of(AutopilotTable, mode, defaulted_kind=True), law=(law | None, None)
+        f"{kind}_autopilot", __base__=model_of(AutopilotTable, kind, defaulted_kind=True), law=(law | None, None)
     )
+
+
+MODELS: dict[str, Callable[[type, str], type[BaseModel]]] = {
+    "sensors": model_of,
+    "trackers": _tracker_model,
+    "wind_events": model_of,
+    "modes": _autopilot_model,
+}
 
 
 def _route_model(kind: str) -> type[BaseModel]:
@@ -93,21 +103,25 @@ def file_model(parts: dict[str, Any]) -> type[BaseModel]:
     )
 
 
-def schema() -> dict[str, Any]:
-    """JSON Schema of a scenario file over all kinds that there are."""
+def schema(catalogue: Catalogue = BUNDLED) -> dict[str, Any]:
+    """JSON Schema of a scenario file over all kinds that are bundled or brought; installed ones are not imported."""
 
     def union(models: list[type[BaseModel]]) -> Any:
         return models[0] if len(models) == 1 else typing.Union[tuple(models)]  # noqa: UP007 (built at run time)
 
-    sensors = union([model_of(catalogue.load("sensors", kind), kind) for kind in catalogue.kinds("sensors")])
-    trackers = union([_tracker_model(kind) for kind in catalogue.kinds("trackers")])
-    events = union([model_of(catalogue.load("wind_events", kind), kind) for kind in catalogue.kinds("wind_events")])
-    parts = {
+    def models(family: str) -> Any:
+        kinds = [*bundled.kinds(family), *(part.kind for part in catalogue.parts if part.family == family)]
+        return union([MODELS[family](catalogue.load(family, kind), kind) for kind in sorted(kinds)])
+
+    def named(family: str) -> Any:
+        return types.GenericAlias(dict, (str, models(family)))
+
+    parts: dict[str, Any] = {
         "route": (union([_route_model(kind) for kind in ROUTES]), None),
-        "wind": (_wind_model(dict[str, events]), None),
-        "autopilot": (union([_autopilot_model(mode) for mode in catalogue.kinds("modes")]), None),
-        "sensors": (dict[str, sensors], {}),
-        "trackers": (dict[str, trackers], {}),
+        "wind": (_wind_model(named("wind_events")), None),
+        "autopilot": (models("modes"), None),
+        "sensors": (named("sensors"), {}),
+        "trackers": (named("trackers"), {}),
     }
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **file_model(parts).model_json_schema()}
 
@@ -116,44 +130,52 @@ def kind_of(table: Any, default: str | None) -> str | None:
     return table.get("kind", default) if isinstance(table, dict) else default
 
 
-def parts_of(tables: dict[str, Any], faults: list[str]) -> dict[str, Any]:
+def parts_of(tables: dict[str, Any], faults: list[str], catalogue: Catalogue) -> dict[str, Any]:
     """Types of the tables with kinds, for the kinds that this file uses."""
     parts: dict[str, Any] = {}
-    for table, default, allowed, build in (
-        ("route", "pattern", list(ROUTES), _route_model),
-        ("autopilot", "lateral_navigation", catalogue.kinds("modes"), _autopilot_model),
-    ):
-        kind = kind_of(tables.get(table, {}), default)
-        if kind not in allowed:
-            faults.append(f"[{table}] kind: no kind '{kind}'; {did_you_mean(str(kind), allowed)}")
-            parts[table] = (Any, None)
-        else:
-            parts[table] = (build(kind), None)
-    parts["sensors"] = (_members("sensors", "sensors", tables.get("sensors"), faults), {})
-    parts["trackers"] = (_members("trackers", "trackers", tables.get("trackers"), faults, _tracker_model), {})
+    route = kind_of(tables.get("route", {}), "pattern")
+    if route in list(ROUTES):  # it may be anything, also what cannot be a key
+        parts["route"] = (_route_model(route), None)
+    else:
+        faults.append(f"[route] kind: no kind '{route}'; {did_you_mean(str(route), ROUTES)}")
+        parts["route"] = (Any, None)
+    mode = kind_of(tables.get("autopilot", {}), "lateral_navigation")
+    parts["autopilot"] = (_model(catalogue, "modes", mode, "autopilot", faults), None)
+    parts["sensors"] = (_members("sensors", "sensors", tables.get("sensors"), faults, catalogue), {})
+    parts["trackers"] = (_members("trackers", "trackers", tables.get("trackers"), faults, catalogue), {})
     wind = tables.get("wind")
     events = wind.get("events") if isinstance(wind, dict) else None
-    parts["wind"] = (_wind_model(_members("wind_events", "wind.events", events, faults)), None)
+    parts["wind"] = (_wind_model(_members("wind_events", "wind.events", events, faults, catalogue)), None)
     return parts
 
 
-def _members(family: str, place: str, named: Any, faults: list[str], build: Any = None) -> Any:
+def _model(catalogue: Catalogue, family: str, kind: Any, place: str, faults: list[str]) -> Any:
+    """The model of a table of this kind; anything where the kind is a fault."""
+    try:
+        return MODELS[family](catalogue.load(family, kind), kind)
+    except KeyError:
+        hint = did_you_mean(str(kind), catalogue.kinds(family))
+        faults.append(f"[{place}] kind: no kind '{kind}'; {hint}{'' if 'mean' in hint else FROM_OUTSIDE}")
+    except ScenarioError as error:
+        faults.append(f"[{place}] {error}")
+    return Any
+
+
+def _members(family: str, place: str, named: Any, faults: list[str], catalogue: Catalogue) -> Any:
     """The model of a table whose members are named by the user and have kinds."""
     members: dict[str, Any] = {}
     if isinstance(named, dict) and len(named) > MOST_NAMES:
         faults.append(f"{place}: {len(named)} are more than the {MOST_NAMES} that one scenario can have")
         return Any
     for name, table in named.items() if isinstance(named, dict) else ():
-        kind = kind_of(table, None)
         if not NAME.fullmatch(name):
             faults.append(f"[{place}.{name}]: a name starts with a letter and has letters, digits, _ and -")
         if not isinstance(table, dict):
             faults.append(f"[{place}] {name}: must be a table with a 'kind'")
             members[name] = (Any, ...)
-        elif kind not in catalogue.kinds(family):
-            hint = f"no kind '{kind}'; {did_you_mean(str(kind), catalogue.kinds(family))}" if kind else "is missing"
-            faults.append(f"[{place}.{name}] kind: {hint}")
+        elif not (kind := kind_of(table, None)):
+            faults.append(f"[{place}.{name}] kind: is missing")
             members[name] = (Any, ...)
         else:
-            members[name] = (build(kind) if build else model_of(catalogue.load(family, kind), kind), ...)
+            members[name] = (_model(catalogue, family, kind, f"{place}.{name}", faults), ...)
     return create_model(family, __config__=ConfigDict(extra="forbid"), **members)

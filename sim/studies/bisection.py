@@ -12,6 +12,7 @@ from sim.flight.preparation import prepare
 from sim.metrics import table
 from sim.metrics.figures import Context
 from sim.metrics.flight import value as figure_of
+from sim.scenario.plugins import catalogue_with
 
 FAILED = ("diverged", "orbit", "envelope")  # outcomes of flights that are beyond every limit
 
@@ -38,6 +39,7 @@ def border(
     limit: float,
     *,
     overrides: dict[str, Any] | None = None,
+    plugins: Any = (),
     within: float = 0.01,
 ) -> Border:
     """The value of ``address`` (``table.key``, in the spelling of files) above which a metric exceeds a limit.
@@ -48,6 +50,7 @@ def border(
     ----------
     low, high : positive values between which the border lies
     metric, limit : a scalar of the flight's metrics, in its own suffix
+    plugins : what brings kinds that are not bundled, as in `sim.run`
     within : relative width of the interval that is found
 
     Raises ``ScenarioError`` when the border does not lie between the values.
@@ -58,8 +61,10 @@ def border(
     if not 0.0 < low < high or not within > 0.0:
         raise ScenarioError(f"a border is looked for between 0 < low < high, not between {low:g} and {high:g}")
 
+    catalogue = catalogue_with(plugins)
+
     def exceeds(value: float) -> bool:
-        prepared = prepare(read(source, {**(overrides or {}), address: value}))
+        prepared = prepare(read(source, {**(overrides or {}), address: value}, plugins=catalogue))
         flight = fly(prepared)
         figure = figure_of(row, flight, Context(prepared.scenario.runway, prepared.law.bank_limit))
         return flight.outcome in FAILED or (figure is not None and figure > limit)

@@ -39,9 +39,14 @@ def shared(prepared: Prepared) -> bool:
 
 
 def key(prepared: Prepared, number: int) -> str:
-    """Hash of all that decides a flight: resolved tables, seed, number, aircraft, versions and our own code."""
-    tables = {name: table for name, table in prepared.scenario.tables.items() if name not in WITHOUT}
-    decides = [tables, number, versions(), _code(), _model(prepared.scenario.aircraft.model)]
+    """Hash of all that decides a flight: resolved tables, seed, number, aircraft, versions, our own code and others'.
+
+    A part from outside that only watches is among them: what its file does when it is imported nobody knows.
+    """
+    scenario = prepared.scenario
+    tables = {name: table for name, table in scenario.tables.items() if name not in WITHOUT}
+    parts = {part.address: part.digest for part in scenario.parts}
+    decides = [tables, number, versions(parts), _code(), _model(scenario.aircraft.model)]
     return hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()
 
 

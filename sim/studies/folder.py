@@ -7,29 +7,31 @@ import fcntl
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 from sim.errors import OutputError
 from sim.files import claim, plain, replace
-from sim.versions import versions
+from sim.scenario.plugins import FAMILIES, Catalogue, Part, digests
+from sim.versions import rows, versions
 
 LOG, SCENARIO, IDENTITY = "flights.jsonl", "scenario.toml", "cache/identity.json"
 RESULTS = ("metrics.json", "report.html")
 
 
-def identity(text: str, seed: int) -> dict[str, Any]:
+def identity(text: str, seed: int, parts: Iterable[Part] = ()) -> dict[str, Any]:
     """What decides the numbers of a study: its scenario file, its seed and the versions of all that computes."""
-    return {"seed": seed, "scenario": hashlib.sha256(text.encode()).hexdigest(), "versions": versions()}
+    scenario = hashlib.sha256(text.encode()).hexdigest()
+    return {"seed": seed, "scenario": scenario, "versions": versions(digests(parts))}
 
 
-def open_study(folder: Path, text: str, seed: int, anew: bool = False) -> None:
+def open_study(folder: Path, text: str, seed: int, anew: bool = False, parts: Iterable[Part] = ()) -> None:
     """Make a folder that of this study: new, or the same study's; ``anew`` throws another study away.
 
     Raises ``OutputError`` with one sentence.
     """
-    mine = identity(text, seed)
+    mine = identity(text, seed, parts)
     begun = (folder / IDENTITY).is_file() and not anew
     if begun and (theirs := _identity_of(folder)) != mine:
         raise OutputError(f"{folder}: holds {_difference(theirs, mine)}; choose another folder with -o, or --anew")
@@ -55,9 +57,22 @@ def begun(folder: Path) -> float:
     return (folder / IDENTITY).stat().st_mtime
 
 
-def check_study(folder: Path, seed: int, anyway: bool = False) -> None:
+def check_parts(folder: Path, catalogue: Catalogue) -> None:
+    """Refuse to go on with a study whose parts from outside are not here, or are others: no folder brings code."""
+    for address, digest in _identity_of(folder).get("versions", {}).get("parts", {}).items():
+        try:
+            part = catalogue.named(*address.split(".", 1))
+        except KeyError:
+            part = None
+        if part is None:
+            raise OutputError(f"{folder}: was begun with {address} from outside; bring it again with --plugin FILE")
+        if (now := digests([part])[address]) != digest:
+            raise OutputError(f"{folder}: was begun with {address} {digest}, not {now}; bring the one that began it")
+
+
+def check_study(folder: Path, seed: int, anyway: bool = False, parts: Iterable[Part] = ()) -> None:
     """Refuse to go on with a study that something else began, unless told to go on ``anyway``."""
-    theirs, mine = _identity_of(folder), identity(read_scenario(folder), seed)
+    theirs, mine = _identity_of(folder), identity(read_scenario(folder), seed, parts)
     if theirs != mine and not anyway:
         raise OutputError(f"{folder}: holds {_difference(theirs, mine)}; resume it with --anyway to go on all the same")
 
@@ -75,9 +90,16 @@ def _identity_of(folder: Path) -> dict[str, Any]:
         found = json.loads((folder / IDENTITY).read_text())
     except (OSError, ValueError):
         found = None
-    if not isinstance(found, dict) or not isinstance(found.get("versions", {}), dict):
+    if not isinstance(found, dict) or not _are_versions(found.get("versions", {})):
         raise OutputError(f"{folder}: is no study folder: it has no {IDENTITY}")
     return found
+
+
+def _are_versions(found: Any) -> bool:
+    """Whether this is what `versions` gives, of whatever release."""
+    starts = [(family, ".") for family in FAMILIES]
+    parts = found.get("parts", {}) if isinstance(found, dict) else None
+    return isinstance(parts, dict) and all(address.partition(".")[:2] in starts for address in parts)
 
 
 def _difference(theirs: dict[str, Any], mine: dict[str, Any]) -> str:
@@ -86,8 +108,9 @@ def _difference(theirs: dict[str, Any], mine: dict[str, Any]) -> str:
         return f"a study with seed {theirs.get('seed')}, not {mine['seed']}"
     if theirs.get("scenario") != mine["scenario"]:
         return "a study of another scenario"
-    old, new = theirs.get("versions", {}), mine["versions"]
-    changed = [f"{name} {old.get(name)}, not {new[name]}" for name in sorted(new) if old.get(name) != new[name]]
+    old, new = dict(rows(theirs.get("versions", {}))), dict(rows(mine["versions"]))
+    names = sorted({*new, *(name for name in old if "." in name)})  # a part has a dot, and it may be one less
+    changed = [f"{name} {old.get(name)}, not {new.get(name)}" for name in names if old.get(name) != new.get(name)]
     return f"a study begun with {'; '.join(changed)}"
 
 

@@ -12,6 +12,7 @@ from sim import experiment
 from sim.errors import ScenarioError
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Flight
+from sim.scenario.plugins import Part
 from sim.scenario.reading import override
 from sim.studies import flight_cache
 
@@ -28,12 +29,13 @@ class Job(NamedTuple):
     tables: dict[str, Any]  # of the cell, with the gains designed for it
     drawn: dict[str, float]  # what the sample changes
     cache: str | None = None  # folder of flights that cells share
+    parts: tuple[Part, ...] = ()  # kinds from outside that the study names
 
 
 def fly(job: Job) -> dict[str, Any]:
     """The record of one flight; a flight that cannot begin is a record too."""
     try:
-        prepared = _prepared(json.dumps(job.tables), json.dumps(job.drawn))
+        prepared = _prepared(json.dumps(job.tables), json.dumps(job.drawn), tuple(job.parts))
         return _evaluated(job, prepared)
     except ScenarioError as error:
         return lost(job, str(error))
@@ -72,9 +74,9 @@ def _record(job: Job, metrics: dict[str, Any], checks: list[dict[str, Any]]) -> 
 
 
 @functools.lru_cache(maxsize=1)
-def _prepared(tables: str, drawn: str) -> Prepared:
+def _prepared(tables: str, drawn: str, parts: tuple[Part, ...]) -> Prepared:
     """Flights of one sample come in a row and share their preparation."""
-    scenario = experiment.read(with_values(json.loads(tables), json.loads(drawn)))
+    scenario = experiment.read(with_values(json.loads(tables), json.loads(drawn)), plugins=parts)
     if not scenario.trackers:
         scenario = dataclasses.replace(scenario, sensors={})  # nobody listens to them
     return prepare(scenario)

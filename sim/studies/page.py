@@ -11,6 +11,7 @@ from sim.reporting.text.labels import ABSENT, words
 from sim.scenario.toml_writer import dumps
 from sim.studies.figures import figure_of, study_charts
 from sim.studies.theory import predicted_figures
+from sim.versions import rows
 
 MOST_ROWS = 500  # of the table on the page; metrics.json has them all
 
@@ -39,7 +40,7 @@ def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any
         ],
         left_out=max(0, len(metrics["rows"]) - MOST_ROWS),
         seed=metrics["seed"],
-        versions=sorted(metrics["versions"].items()),
+        versions=rows(metrics["versions"]),
         scenario_text=dumps(scenario.tables),
     )
 

@@ -14,6 +14,7 @@ from sim.experiment import read
 from sim.flight.preparation import prepare
 from sim.scenario.axes import Axis, Listed, cells, samples
 from sim.scenario.model import Scenario
+from sim.scenario.plugins import Catalogue, Part, catalogue_with
 from sim.scenario.tables import StudyCheck, StudyTable
 from sim.studies import folder as folders
 from sim.studies.job import with_values
@@ -33,6 +34,7 @@ class Study:
     axes: tuple[Axis, ...]
     cells: tuple[dict[str, Any], ...]  # chosen values
     samples: tuple[dict[str, float], ...]  # drawn values
+    parts: tuple[Part, ...] = ()  # kinds from outside that any cell names
 
     @property
     def flights(self) -> int:
@@ -48,31 +50,36 @@ class Study:
                     yield cell, sample, sample * each + repeat
 
 
-def plan(scenario: Scenario) -> Study:
+def plan(scenario: Scenario, plugins: Any = ()) -> Study:
     """What a study flies; raises ``ScenarioError`` for axes and checks that no flight has, before anything is flown."""
     table = scenario.study
     if table is None:
         raise ScenarioError(f"{scenario.name}: has no [study.axes]; say what is to be varied, or use 'run'")
     axes = table.varied
-    faults = _faults(scenario, table, axes)
+    faults, parts = _faults(scenario, table, axes, catalogue_with(plugins).also(scenario.parts))
     if faults:
         raise ScenarioError("\n".join(f"{scenario.name}: {fault}" for fault in faults))
-    planned = Study(scenario, table, axes, cells(axes), samples(axes, table.samples, scenario.seed))
+    planned = Study(scenario, table, axes, cells(axes), samples(axes, table.samples, scenario.seed), parts)
     _refuse_too_few(planned)
     return planned
 
 
-def _faults(scenario: Scenario, table: StudyTable, axes: tuple[Axis, ...]) -> list[str]:
+def _faults(
+    scenario: Scenario, table: StudyTable, axes: tuple[Axis, ...], catalogue: Catalogue
+) -> tuple[list[str], tuple[Part, ...]]:
+    """What is wrong with a study, and the parts from outside that the scenario and the values of its axes name."""
     size = scenario.flights * table.samples
     for one in axes:
         size *= len(one.values) if isinstance(one, Listed) else 1
     if size > LARGEST_STUDY:
-        return [f"[study] {size} flights are more than the budget of {LARGEST_STUDY}; take fewer values or samples"]
-    faults = []
+        much = f"[study] {size} flights are more than the budget of {LARGEST_STUDY}; take fewer values or samples"
+        return [much], ()
+    faults, parts = [], {*scenario.parts}
     for one in axes:
         for value in one.values if isinstance(one, Listed) else (one.first,):
             try:
-                read(with_values(_flown_tables(scenario), {one.address: value}))
+                tables = with_values(_flown_tables(scenario), {one.address: value})
+                parts |= {*read(tables, plugins=catalogue).parts}
             except ScenarioError as error:
                 faults += [f'[study] axes "{one.address}": {_said(line)}' for line in str(error).splitlines()]
                 break
@@ -84,7 +91,7 @@ def _faults(scenario: Scenario, table: StudyTable, axes: tuple[Axis, ...]) -> li
             )
         if theory.needs(scenario):
             faults.append(f'[study] theory "{table.theory}" needs {theory.needs(scenario)}')
-    return faults
+    return faults, tuple(sorted(parts))
 
 
 def _said(line: str) -> str:
@@ -124,7 +131,7 @@ def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
             quickness = {"autopilot": {k: v for k, v in kept.get("autopilot", {}).items() if k != "frequency_share"}}
             key = json.dumps({**kept, **quickness})  # how quick the law is changes no gain of the inner loops
             try:
-                tables = {**tables, "designed": design(key)}
+                tables = {**tables, "designed": design(key, planned.parts)}
             except ScenarioError as error:
                 where = ", ".join(f"{address} = {value}" for address, value in values.items())
                 raise ScenarioError(f"{planned.scenario.name}: with {where or 'these values'}: {error}") from None
@@ -132,15 +139,15 @@ def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
     return tuple(found)
 
 
-def _designed(text: str) -> dict[str, Any]:
+def _designed(text: str, parts: tuple[Part, ...]) -> dict[str, Any]:
     tables = json.loads(text)
     truth = {"autopilot": {**tables["autopilot"], "navigation": "truth"}}  # gains do not depend on who navigates
-    return prepare(read({"name": "design", **tables, **truth})).designed.to_table()
+    return prepare(read({"name": "design", **tables, **truth}, plugins=parts)).designed.to_table()
 
 
-def read_text(text: str) -> Scenario:
+def read_text(text: str, catalogue: Catalogue) -> Scenario:
     """The scenario of a resolved file, so that a study and its resumption start from the same bytes."""
     try:
-        return read(tomllib.loads(text))
+        return read(tomllib.loads(text), plugins=catalogue)
     except tomllib.TOMLDecodeError as error:
         raise ScenarioError(f"{folders.SCENARIO}: not TOML: {error}") from None

@@ -16,6 +16,7 @@ from sim.errors import OutputError
 from sim.experiment import read
 from sim.files import replace, replace_json
 from sim.scenario.budget import available_memory
+from sim.scenario.plugins import catalogue_with, digests
 from sim.scenario.toml_writer import dumps
 from sim.studies import flight_cache
 from sim.studies import folder as folders
@@ -35,20 +36,24 @@ def study(
     executor: Executor,
     overrides: dict[str, Any] | None = None,
     *,
+    plugins: Any = (),
     anew: bool = False,
     workers: int = 1,
     progress: Callable[..., Any] | None = None,
 ) -> dict[str, Any]:
     """Fly a study into a folder, going on with what the folder already has of it; returns its metrics.
 
+    ``plugins`` bring kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``.
+
     Raises ``ScenarioError`` and ``OutputError`` before anything is written, ``OutputError`` when the disk fills.
     """
-    scenario = read(source, overrides)
+    catalogue = catalogue_with(plugins)
+    scenario = read(source, overrides, plugins=catalogue)
     text = dumps(scenario.tables)
-    planned = plan(read_text(text))
+    planned = plan(read_text(text, catalogue), catalogue)
     tables = designed_cells(planned)
     _refuse_too_much(planned, folder, workers)
-    folders.open_study(folder, text, scenario.seed, anew)
+    folders.open_study(folder, text, scenario.seed, anew, planned.parts)
     return _fly_all(planned, tables, folder, executor, progress)
 
 
@@ -56,13 +61,19 @@ def resume(
     folder: Path,
     executor: Executor,
     *,
+    plugins: Any = (),
     anyway: bool = False,
     workers: int = 1,
     progress: Callable[..., Any] | None = None,
 ) -> dict[str, Any]:
-    """Go on with the study of a folder; its metrics are those of a study that was never interrupted."""
-    planned = plan(read_text(folders.read_scenario(folder)))
-    folders.check_study(folder, planned.scenario.seed, anyway)
+    """Go on with the study of a folder; its metrics are those of a study that was never interrupted.
+
+    ``plugins`` bring the same parts from outside again: a folder holds no code.
+    """
+    text, catalogue = folders.read_scenario(folder), catalogue_with(plugins)
+    folders.check_parts(folder, catalogue)
+    planned = plan(read_text(text, catalogue), catalogue)
+    folders.check_study(folder, planned.scenario.seed, anyway, planned.parts)
     tables = designed_cells(planned)
     _refuse_too_much(planned, folder, workers)
     return _fly_all(planned, tables, folder, executor, progress)
@@ -98,7 +109,7 @@ def _fly_all(
         records = {_key(record): record for record in folders.read_log(folder)}
         cache = str(folders.flights_of(folder).resolve())
         waiting = [
-            Job(cell, sample, flight, {**planned.cells[cell], **planned.samples[sample]}, tables[cell], drawn, cache)
+            Job(cell, sample, flight, {**planned.cells[cell], **drawn}, tables[cell], drawn, cache, planned.parts)
             for cell, sample, flight in planned.numbers()
             for drawn in (planned.samples[sample],)
             if (cell, sample, flight) not in records
@@ -138,7 +149,7 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
         "seed": scenario.seed,
         "flights": len(ordered),
         "samples": planned.table.samples,
-        "versions": versions(),
+        "versions": versions(digests(planned.parts)),
         **study_metrics(planned.axes, ordered, scenario.checks, planned.table.checks),
     }
     try:

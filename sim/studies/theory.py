@@ -18,9 +18,9 @@ from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset
 from sim.errors import ScenarioError
 from sim.experiment import read
-from sim.scenario import catalogue
 from sim.scenario.model import Scenario
 from sim.scenario.parameters import construct
+from sim.scenario.plugins import Part
 from sim.scenario.reading import override
 from sim.scenario.tables import LegsTable, PatternTable
 
@@ -96,7 +96,7 @@ def _route_law_needed(scenario: Scenario) -> str:
     """Which inputs a law has is the same whatever it is designed for, so that no aircraft has to be looked at."""
     case = DesignCase(scenario.autopilot.bank_limit, 2.0, 70.0, k1=2e-3, k2=3e-2, cross_track_limit=500.0)
     try:
-        law = catalogue.load("modes", scenario.mode).designed(scenario.law, case)
+        law = scenario.modes[scenario.mode].designed(scenario.law, case)
     except ValueError:
         return ""  # what is wrong with its own numbers is told when it is designed
     if LateralNavigation.of(law) is not None:
@@ -162,16 +162,16 @@ def _limited_loop(scenario: Scenario, bank: float) -> LimitedLoop:
     """The route loop of a scenario, designed for a bank limit (deg), with its limits."""
     flown = {key: value for key, value in scenario.tables.items() if key != "study"}
     autopilot = override(flown["autopilot"], "bank_limit_deg", bank)
-    return _limited_loop_of(json.dumps({**flown, "autopilot": autopilot}))
+    return _limited_loop_of(json.dumps({**flown, "autopilot": autopilot}), scenario.parts)
 
 
 @functools.lru_cache(maxsize=64)
-def _limited_loop_of(tables: str) -> LimitedLoop:
+def _limited_loop_of(tables: str, parts: tuple[Part, ...]) -> LimitedLoop:
     from sim.flight.linear_model import scenario_loop
     from sim.flight.preparation import MODEL_TIME_LIMIT, prepare
     from sim.workers.isolation import run_isolated
 
-    scenario = read({key: value for key, value in json.loads(tables).items() if value is not None})
+    scenario = read({key: value for key, value in json.loads(tables).items() if value is not None}, plugins=parts)
     loop = run_isolated(scenario, MODEL_TIME_LIMIT, scenario_loop, prepare(scenario))
     return limited_loop(loop, scenario.autopilot.bank_limit, scenario.autopilot.roll_rate_limit)
 

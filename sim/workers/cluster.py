@@ -105,6 +105,8 @@ class ClusterExecutor:
             result = future.result() if error is None else None
         if isinstance(result, Refused):
             raise OutputError(f"cluster {self.address}: {result.reason}; finished flights are kept")
+        if isinstance(error, OutputError):  # about the worker, not about the flight
+            raise OutputError(f"cluster {self.address}: {error}; finished flights are kept")
         if isinstance(error, KilledWorker):  # the scheduler has tried it again as often as it is told to
             return Lost(f"its worker process died {error.allowed_failures + 1} times")
         if isinstance(error, MemoryError):

@@ -16,6 +16,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
+from sim.errors import OutputError
 from sim.workers.blas import THREADS
 
 ATTEMPTS = 3  # a flight whose worker aborts as often is at fault itself
@@ -155,6 +156,8 @@ class LocalExecutor:
             if error.exitcode == -signal.SIGKILL:
                 return self._again(job._replace(kills=job.kills + 1)), False
             return self._again(job._replace(aborts=job.aborts + 1)), False
+        except OutputError:  # about this machine, not about the flight
+            raise
         except MemoryError:
             return Lost(f"out of memory ({self.memory_limit >> 20} MB for each worker)"), True
         except Exception as error:

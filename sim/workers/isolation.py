@@ -15,6 +15,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from sim.errors import ScenarioError
+from sim.scenario.plugins import carried
 from sim.workers.executors import MEMORY_LIMIT
 from sim.workers.helper_process import HelperProcess, Lost, is_helper
 
@@ -32,7 +33,9 @@ def run_isolated(scenario: Any, time_limit: float, function: Callable[..., T], *
     if _is_ours(model) or is_helper() or multiprocessing.parent_process() is not None:
         return function(*arguments)
     try:
-        return _asked(time_limit, function, *arguments)
+        call, given = carried(scenario.parts, function, *arguments)
+        found: T = _asked(time_limit, call, *given)
+        return found
     except Lost as lost:
         how = f"gives no answer for {time_limit:g} s" if lost.late else f"aborts the simulation ({lost.ending})"
     except MemoryError:

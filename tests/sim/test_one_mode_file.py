@@ -136,9 +136,9 @@ def test_a_law_of_any_other_name_is_designed_and_known_to_theory(folder):
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("def explain", "def explained", "kind 'wings_level' is no whole mode, it lacks 'explain'"),
-        ("intent: ClassVar", "purpose: ClassVar", "it lacks 'intent'"),
-        ("def designed", "def made", "it lacks 'designed'"),
+        ("def explain", "def explained", "kind 'wings_level' has no 'explain'; 'shortfinal contract' says"),
+        ("intent: ClassVar", "purpose: ClassVar", "has no 'intent'"),
+        ("def designed", "def made", "has no 'designed'"),
     ],
 )
 def test_a_file_that_is_no_whole_mode_is_told_in_one_sentence(folder, old, new, told):

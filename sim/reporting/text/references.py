@@ -12,7 +12,6 @@ from aircraft.point_mass import PointMass
 from aircraft.turbulence import Turbulence
 from aircraft.turbulence_intensity import intensity, sigma_aloft
 from sim.reporting.text.labels import words
-from sim.scenario import catalogue
 
 TAG = re.compile(r"\[([A-Z][^\[\]\n]*?\d[^\[\]\n]*)\]")
 ERRATUM = re.compile(r"^Erratum: *(.+?)(?=\n\s*\n|\nErratum:|\Z)", re.MULTILINE | re.DOTALL)
@@ -63,8 +62,8 @@ def what_ran(scenario: Any, law: Any) -> list[Any]:
     if scenario.wind.profile is not None:
         things.append(scenario.wind.profile)
     things += scenario.wind.events.values()
-    kinds = dict.fromkeys(tracker.kind for tracker in scenario.trackers.values())
-    return [*things, *scenario.sensors.values(), *(catalogue.load("trackers", kind) for kind in kinds)]
+    trackers = dict.fromkeys(tracker.cls for tracker in scenario.trackers.values())
+    return [*things, *scenario.sensors.values(), *trackers]
 
 
 def aircraft_sources(model: str) -> list[tuple[str, str]]:

@@ -148,7 +148,7 @@ def test_what_decides_a_flight_decides_its_name(monkeypatch):
         flight_cache.key(prepared(aircraft={"model": "an26"}), 0),
         flight_cache.key(prepared(autopilot={"kind": "lateral_navigation", "bank_limit_deg": 14}), 0),
     ]
-    monkeypatch.setattr(flight_cache, "versions", lambda: {"shortfinal": "another"})
+    monkeypatch.setattr(flight_cache, "versions", lambda parts: {"shortfinal": "another"})
     others.append(flight_cache.key(prepared(), 0))
     monkeypatch.undo()
     monkeypatch.setattr(flight_cache, "_code", lambda: "edited")

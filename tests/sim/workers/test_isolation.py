@@ -14,7 +14,7 @@ from sim.workers.isolation import run_isolated
 
 
 def flown_by(model):
-    return SimpleNamespace(name="mine", aircraft=SimpleNamespace(model=model))
+    return SimpleNamespace(name="mine", parts=(), aircraft=SimpleNamespace(model=model))
 
 
 STOCK, OURS = flown_by("c172x"), flown_by("an26")
