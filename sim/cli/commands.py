@@ -35,12 +35,18 @@ Sets = Annotated[
     list[str] | None, typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Replace one value; repeatable.")
 ]
 
+Plugins = Annotated[
+    list[Path] | None,
+    typer.Option("--plugin", metavar="FILE", help="Python file with kinds that the scenario names; repeatable."),
+]
+
 
 @app.command()
 def run(
     scenario: Scenario = DEFAULT,
     out: Out = None,
     sets: Sets = None,
+    plugins: Plugins = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
     flights: Annotated[int | None, typer.Option(min=1, help="Flights, each with its own turbulence.")] = None,
     draws: Annotated[int | None, typer.Option(min=1, help="Noise draws of the sensors per flight.")] = None,
@@ -50,7 +56,7 @@ def run(
     from sim import experiment
 
     overrides = _overrides(sets, seed=seed, flights=flights, draws=draws)
-    folder, result = experiment.run_to_folder(scenario, overrides, out, progress=_progress())
+    folder, result = experiment.run_to_folder(scenario, overrides, out, progress=_progress(), plugins=plugins or ())
     if as_json:
         typer.echo((folder / "metrics.json").read_text(), nl=False)
     else:
@@ -76,6 +82,7 @@ def study(
     out: Out = None,
     workers: Workers = None,
     sets: Sets = None,
+    plugins: Plugins = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
     flights: Annotated[int | None, typer.Option(min=1, help="Flights of every sample of every cell.")] = None,
     anew: Annotated[bool, typer.Option("--anew", help="Throw away another study that the folder holds.")] = False,
@@ -83,19 +90,22 @@ def study(
     insecure: Insecure = False,
 ) -> None:
     """Fly a scenario over the axes of its [study] table; what a folder already has of it is not flown again."""
+    from sim.experiment import read
+    from sim.scenario.plugins import catalogue_with
     from sim.studies import study as studies
 
-    overrides = _overrides(sets, seed=seed, flights=flights)
-    folder = out if out is not None else Path("out") / _study_name(scenario)
+    how = {"overrides": _overrides(sets, seed=seed, flights=flights), "plugins": catalogue_with(plugins or ())}
+    folder = out if out is not None else Path("out") / read(scenario, plugins=how["plugins"]).name
     call = studies.study
     with _executor(workers, cluster, insecure) as given:
-        _study(folder, lambda **more: call(scenario, folder, overrides=overrides, anew=anew, **given, **more))
+        _study(folder, lambda **more: call(scenario, folder, anew=anew, **how, **given, **more))
 
 
 @app.command()
 def resume(
     folder: Annotated[Path, typer.Argument(help="The folder of a study that was interrupted.")],
     workers: Workers = None,
+    plugins: Plugins = None,
     anyway: Annotated[bool, typer.Option("--anyway", help="Go on although the versions differ.")] = False,
     cluster: Cluster = None,
     insecure: Insecure = False,
@@ -104,7 +114,7 @@ def resume(
     from sim.studies import study as studies
 
     with _executor(workers, cluster, insecure) as given:
-        _study(folder, lambda **more: studies.resume(folder, anyway=anyway, **given, **more))
+        _study(folder, lambda **more: studies.resume(folder, plugins=plugins or (), anyway=anyway, **given, **more))
 
 
 def _study(folder: Path, fly: Any) -> None:
@@ -120,12 +130,6 @@ def _study(folder: Path, fly: Any) -> None:
     crashed = "crashed" in metrics["outcomes"]
     failed = any(check["passed"] is False for check in metrics["checks"])
     raise typer.Exit(FLIGHTS_CRASHED if crashed else CHECK_FAILED if failed else GOOD)
-
-
-def _study_name(scenario: str) -> str:
-    from sim.experiment import read
-
-    return read(scenario).name
 
 
 @contextlib.contextmanager
@@ -184,18 +188,20 @@ def claims(
 
 
 @app.command()
-def validate(file: Scenario, sets: Sets = None) -> None:
+def validate(file: Scenario, sets: Sets = None, plugins: Plugins = None) -> None:
     """Say whether a scenario can be flown, and everything that is wrong with it."""
     from sim.estimation.setup import check
     from sim.experiment import read
     from sim.flight.preparation import prepare
+    from sim.scenario.plugins import catalogue_with
 
-    scenario = read(file, _overrides(sets))
+    catalogue = catalogue_with(plugins or ())
+    scenario = read(file, _overrides(sets), plugins=catalogue)
     check(prepare(scenario))
     if scenario.study is not None:
         from sim.studies.plan import plan
 
-        plan(scenario)
+        plan(scenario, catalogue)
     typer.echo(f"{scenario.name}: good")
 
 
@@ -223,32 +229,53 @@ def new(file: Annotated[Path, typer.Argument(help="The scenario file to make.")]
 @app.command("list")
 def list_(
     aircraft: Annotated[bool, typer.Option("--aircraft", help="Aircraft instead of scenarios.")] = False,
-    kinds: Annotated[bool, typer.Option("--kinds", help="Kinds of sensors, trackers, laws.")] = False,
+    kinds: Annotated[bool, typer.Option("--kinds", help="Kinds of sensors, trackers, laws, wind events.")] = False,
+    plugins: Plugins = None,
 ) -> None:
     """List the bundled scenarios, or the aircraft, or the kinds that a scenario can name."""
     if aircraft and kinds:
         raise ScenarioError("list: say --aircraft or --kinds, not both")
+    if plugins and not kinds:
+        raise ScenarioError("list: --plugin brings kinds; say --kinds as well")
     from sim.cli.listing import aircraft_lines, kind_lines, scenario_lines
 
-    typer.echo("\n".join(aircraft_lines() if aircraft else kind_lines() if kinds else scenario_lines()))
+    typer.echo("\n".join(aircraft_lines() if aircraft else kind_lines(plugins or ()) if kinds else scenario_lines()))
 
 
 @app.command()
-def explain(scenario: Scenario = DEFAULT, sets: Sets = None) -> None:
+def explain(scenario: Scenario = DEFAULT, sets: Sets = None, plugins: Plugins = None) -> None:
     """Show what a scenario comes to: route, trim, modes, gains, limits, checks."""
     from sim.cli.explain import explain as told
     from sim.experiment import read
 
-    typer.echo(told(read(scenario, _overrides(sets))))
+    typer.echo(told(read(scenario, _overrides(sets), plugins=plugins or ())))
 
 
 @app.command()
-def schema() -> None:
+def schema(plugins: Plugins = None) -> None:
     """Print the JSON Schema of a scenario file."""
     from sim.metrics.checks import with_examples
+    from sim.scenario.plugins import catalogue_with
     from sim.scenario.schema import schema as made
 
-    typer.echo(json.dumps(with_examples(made()), indent=1))
+    typer.echo(json.dumps(with_examples(made(catalogue_with(plugins or ()))), indent=1))
+
+
+@app.command()
+def contract(
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="A kind, or FAMILY.KIND where two families have it.")],
+    plugins: Plugins = None,
+) -> None:
+    """Say whether a sensor, a tracker, a mode or a wind event keeps the contract of its family."""
+    from sim.cli.contract import examine as tried
+    from sim.scenario.plugins import catalogue_with
+
+    name, broken = tried(kind, catalogue_with(plugins or ()))
+    for sentence in broken:
+        typer.echo(printable(f"{name}: {sentence}"))
+    if not broken:
+        typer.echo(f"{name} keeps its contract")
+    raise typer.Exit(CHECK_FAILED if broken else GOOD)
 
 
 @app.command()

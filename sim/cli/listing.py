@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.scenario import catalogue
+from sim.scenario.plugins import catalogue_with, installed_kinds
 
 OSCILLATIONS = ("phugoid", "short_period", "dutch_roll")
 HEADINGS = tuple(mode.replace("_", " ") for mode in OSCILLATIONS)
@@ -23,8 +24,9 @@ def scenario_lines() -> list[str]:
     return _aligned(rows)
 
 
-def kind_lines() -> list[str]:
-    """Kinds of every family with the first line of each file."""
+def kind_lines(plugins: Any = ()) -> list[str]:
+    """Kinds of every family with the first line of each file; then those from outside, and where they are from."""
+    brought = catalogue_with(plugins)
     lines = []
     for family, title in (
         ("modes", "[autopilot] kind"),
@@ -38,6 +40,8 @@ def kind_lines() -> list[str]:
             spec = find_spec(f"{package}.{kind}")
             text = "" if spec is None or spec.origin is None else Path(spec.origin).read_text()
             rows.append((kind, (ast.get_docstring(ast.parse(text)) or " ").splitlines()[0]))
+        outside = [(part.kind, part.origin) for part in brought.parts if part.family == family]
+        rows += [(kind, f"from {origin}") for kind, origin in sorted([*outside, *installed_kinds(family)])]
         lines += [title, *(f"  {line}" for line in _aligned(rows)), ""]
     return lines[:-1]
 
