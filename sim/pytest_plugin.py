@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +20,18 @@ USED = pytest.StashKey[list[Any]]()  # of an item: the results that it looked at
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """``--shortfinal-report=DIR``."""
+    """``--shortfinal-report=DIR``, and ``shortfinal_plugins`` of the ini file."""
     group = parser.getgroup("shortfinal", "scenario checks")
     group.addoption(
         "--shortfinal-report",
         metavar="DIR",
         type=Path,
         help="keep the run folder with its report of every scenario whose test failed",
+    )
+    parser.addini(
+        "shortfinal_plugins",
+        "Python files with kinds that scenarios may name",
+        type="paths",
     )
 
 
@@ -44,7 +49,7 @@ class ScenarioFile(pytest.File):
         from sim.experiment import read
 
         try:
-            checks = read(self.path).checks
+            checks = read(self.path, plugins=self.config.getini("shortfinal_plugins")).checks
         except ScenarioError as error:
             raise self.CollectError(str(error)) from None
         names: dict[str, int] = {}
@@ -94,13 +99,19 @@ class CheckBroken(ValueError):
     """A check that the flight did not keep."""
 
 
-def fly(item: pytest.Item, source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> Any:
+def fly(
+    item: pytest.Item,
+    source: str | Path | dict[str, Any],
+    overrides: dict[str, Any] | None = None,
+    plugins: Iterable[Any] = (),
+) -> Any:
     """The result of a scenario, flown once in a pytest run however many tests look at it."""
     import sim
+    from sim.scenario.plugins import digests
 
-    scenario = sim.read(source, overrides)
+    scenario = sim.read(source, overrides, plugins=(*item.config.getini("shortfinal_plugins"), *plugins))
     flown = item.session.stash.setdefault(FLOWN, {})
-    key = json.dumps(scenario.tables, sort_keys=True)
+    key = json.dumps([scenario.tables, digests(scenario.parts)], sort_keys=True)
     if key not in flown:
         flown[key] = sim.run(scenario)
     item.stash.setdefault(USED, []).append(flown[key])
@@ -112,13 +123,22 @@ def shortfinal(request: pytest.FixtureRequest) -> Callable[..., Any]:
     """Run a scenario: ``shortfinal("an26_pattern", {"wind.speed_mps": 8})`` is the ``sim.Result``.
 
     The scenario is a bundled name, a file beside the test, a path or a dict of tables; ``seed``, ``flights`` and
-    ``draws`` may be named. The same scenario is flown once.
+    ``draws`` may be named. ``plugins`` are modules, or files beside the test, with kinds that the scenario names,
+    beside those of the ini key ``shortfinal_plugins``. The same scenario is flown once.
     """
 
-    def run(source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None, **given: int) -> Any:
+    def found(source: Any) -> Any:
         beside = request.path.parent / source if isinstance(source, str | Path) else None
-        found = beside if beside is not None and beside.is_file() else source
-        return fly(request.node, found, {**(overrides or {}), **given})
+        return beside if beside is not None and beside.is_file() else source
+
+    def run(
+        source: str | Path | dict[str, Any],
+        overrides: dict[str, Any] | None = None,
+        *,
+        plugins: Iterable[Any] = (),
+        **given: int,
+    ) -> Any:
+        return fly(request.node, found(source), {**(overrides or {}), **given}, map(found, plugins))
 
     return run
 

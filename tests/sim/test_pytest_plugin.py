@@ -49,6 +49,30 @@ def test_the_same_scenario_is_flown_once(shortfinal):
 def test_a_scenario_at_fault(shortfinal):
     shortfinal("line.scenario.toml", {"wind.sped_mps": 5})
 """
+PARTS = (ROOT / "tests/sim/scenario/foreign_parts.py").read_text()
+WITH_PARTS = """
+[sensors.beacon]
+kind = "beacon"
+[trackers.calm]
+kind = "calm"
+[[checks]]
+metric = "trackers.calm.overall.position_m.rmse"
+max = 100
+source = "a beacon of 20 m"
+"""
+LOUD = 'SHORTFINAL = {"sensors": {"loud_beacon": Beacon}}'
+TESTS_OF_PARTS = """
+def test_parts_of_the_ini_file(shortfinal):
+    assert set(shortfinal("parts.scenario.toml").metrics["versions"]["parts"]) == {"sensors.beacon", "trackers.calm"}
+
+def test_parts_of_a_test(shortfinal):
+    loud = shortfinal("parts.scenario.toml", {"sensors.beacon.kind": "loud_beacon"}, plugins=["loud.py"])
+    assert "sensors.loud_beacon" in loud.metrics["versions"]["parts"]
+    assert loud is shortfinal("parts.scenario.toml", {"sensors.beacon.kind": "loud_beacon"}, plugins=["loud.py"])
+
+def test_nobody_brings_it(shortfinal):
+    shortfinal("parts.scenario.toml", {"sensors.beacon.kind": "loud_beacon"})
+"""
 
 
 @pytest.fixture(scope="module")
@@ -119,6 +143,22 @@ def test_a_broken_file_is_one_collection_error_with_file_and_key(project):
     assert "no phase 'glyde'" in told
     assert "line.scenario.toml::flies PASSED" in told
     assert "2 errors" in told
+
+
+def test_parts_from_outside_come_by_the_ini_file_and_by_the_fixture(project):
+    (project.folder / "sub").mkdir()
+    (project.folder / "sub/mine.py").write_text(PARTS)
+    (project.folder / "pytest.ini").write_text("[pytest]\nshortfinal_plugins = sub/mine.py\n")
+    (project.folder / "line.scenario.toml").unlink()
+    (project.folder / "parts.scenario.toml").write_text(SCENARIO.replace("draws = 2", "draws = 3") + WITH_PARTS)
+    (project.folder / "loud.py").write_text(PARTS.partition("SHORTFINAL")[0] + LOUD)
+    (project.folder / "test_parts.py").write_text(TESTS_OF_PARTS)
+    code, told = project("-v")
+    assert code == 1, told
+    assert "3 passed, 1 failed" in told or "1 failed, 3 passed" in told
+    assert "parts.scenario.toml::trackers.calm.overall.position_m.rmse PASSED" in told
+    assert "no kind 'loud_beacon'; did you mean 'beacon'?" in told
+    assert "Traceback" not in told
 
 
 def test_xdist_flies_the_checks_of_a_file_in_one_worker(project):
