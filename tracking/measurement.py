@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Annotated, Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -33,6 +33,11 @@ class MeasurementModel(Protocol):
     @property
     def rows(self) -> int:
         """Number of rows of the sensor's z."""
+        ...
+
+    @property
+    def equations(self) -> int:
+        """Number of rows of the linear form, whatever was measured."""
         ...
 
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
@@ -122,6 +127,10 @@ class LinearMeasurement:
     def rows(self) -> int:
         return len(self.H)
 
+    @property
+    def equations(self) -> int:
+        return len(self.H)
+
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
         return Linear(z, _matrix(self.H), R)
 
@@ -141,6 +150,7 @@ class ConvertedPolar:
     channels: Annotated[tuple[str, ...], "given"] = CARTESIAN
 
     rows = cached_property(polar_rows)
+    equations: ClassVar[int] = 2
 
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
         plot = to_ground(z, R, self.height)
@@ -169,6 +179,7 @@ class DebiasedPolar:
     channels: Annotated[tuple[str, ...], "given"] = CARTESIAN
 
     rows = cached_property(polar_rows)
+    equations: ClassVar[int] = 2
 
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
         plot = to_ground(z, R, self.height)
@@ -201,6 +212,7 @@ class ExtendedPolar:
     channels: Annotated[tuple[str, ...], "given"] = CARTESIAN
 
     rows = cached_property(polar_rows)
+    equations: ClassVar[int] = 2
 
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
         plot = to_ground(z, R, self.height)
@@ -230,6 +242,10 @@ class Stacked:
     def rows(self) -> int:
         return sum(model.rows for model in self.models)
 
+    @property
+    def equations(self) -> int:
+        return sum(model.equations for model in self.models)
+
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
         parts, first = [], 0
         for model in self.models:
@@ -255,6 +271,8 @@ class Stacked:
 def _nothing(model: MeasurementModel, batch: tuple[int, ...]) -> Linear:
     """The linear form of a sensor that is silent for all runs."""
     H = _matrix(model.H) if isinstance(model, LinearMeasurement) else positions(getattr(model, "channels", CARTESIAN))
+    if model.equations != len(H):
+        H = np.resize(H, (model.equations, H.shape[1]))  # any will do
     return Linear(np.full((len(H), *batch), np.nan), H, np.eye(len(H)))
 
 

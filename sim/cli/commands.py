@@ -94,7 +94,10 @@ def study(
     from sim.scenario.plugins import catalogue_with
     from sim.studies import study as studies
 
-    how = {"overrides": _overrides(sets, seed=seed, flights=flights), "plugins": catalogue_with(plugins or ())}
+    how: dict[str, Any] = {
+        "overrides": _overrides(sets, seed=seed, flights=flights),
+        "plugins": catalogue_with(plugins or ()),
+    }
     folder = out if out is not None else Path("out") / read(scenario, plugins=how["plugins"]).name
     call = studies.study
     with _executor(workers, cluster, insecure) as given:

@@ -19,6 +19,7 @@ from sim.reporting.run_files import with_unit
 from sim.studies.folder import IDENTITY, read_log
 
 RECORDS = ("flight", "measurements", "tracks")
+PER_CHANNEL = ("channels", "units")
 Columns = dict[str, np.ndarray]
 
 
@@ -97,12 +98,13 @@ def _groups(arrays: Columns) -> dict[str, Columns]:
 def _table(arrays: Columns) -> Columns:
     """Columns of equal length: what has one value at each instant, and channels spread over their noise draws."""
     count = len(arrays["time_s"])
-    columns = {name: array for name, array in arrays.items() if array.shape == (count,)}
+    columns = {name: array for name, array in arrays.items() if array.shape == (count,) and name not in PER_CHANNEL}
     for name in columns:
         names = arrays.get(f"{name}s")
         if names is not None and names.dtype.kind == "U":
             columns[name] = names[columns[name]]
     channels = [str(channel) for channel in arrays.get("channels", ())]
+    units = arrays.get("units", [None] * len(channels))  # of sensors; those of trackers follow from their names
     values = next((arrays[name] for name in ("z", "mean") if name in arrays), None)
     if values is None:
         return columns
@@ -110,9 +112,9 @@ def _table(arrays: Columns) -> Columns:
     columns = {name: np.repeat(column, draws) for name, column in columns.items()}
     columns["draw"] = np.tile(np.arange(draws), count)
     sigma = np.broadcast_to(arrays["sigma"], values.shape)
-    for row, channel in enumerate(channels):
-        columns[with_unit(channel)] = values[:, row].ravel()
-        columns[with_unit(f"{channel}_sigma")] = sigma[:, row].ravel()
+    for row, (channel, unit) in enumerate(zip(channels, units, strict=True)):
+        columns[with_unit(channel, unit)] = values[:, row].ravel()
+        columns[with_unit(f"{channel}_sigma", unit)] = sigma[:, row].ravel()
     return columns
 
 

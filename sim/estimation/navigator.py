@@ -16,6 +16,8 @@ from sim.estimation.prior import prior
 from sim.estimation.setup import build
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
+from sim.observation.sensor import SensorError, looks_of
+from sim.observation.sensor import ask as ask_sensor
 from sim.randomness import Streams
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.track import TrackerError, ask, believed, stepped
@@ -25,14 +27,16 @@ DECISION_HEIGHT = 60.0  # m; below, the height is the radio altimeter's
 
 @contextmanager
 def _in_the_loop() -> Iterator[None]:
-    """What the tracker breaks of its contract becomes a sentence of the scenario."""
+    """What the tracker or a sensor breaks of its contract becomes a sentence of the scenario."""
     try:
         yield
+    except SensorError as error:
+        raise ScenarioError(f"[autopilot] navigation: a sensor's {error}") from error
     except TrackerError as error:
         raise ScenarioError(f"[autopilot] navigation: its tracker's {error}") from error
 
 
-class Sight(NamedTuple):
+class NavigatorState(NamedTuple):
     """What is carried from record to record."""
 
     sensors: tuple[Any, ...]  # state of each sensor
@@ -71,7 +75,7 @@ class Navigator:
         return (*self.listened, *extra)
 
     @_in_the_loop()
-    def begin(self, state: AircraftState) -> tuple[Sight, AircraftState]:
+    def begin(self, state: AircraftState) -> tuple[NavigatorState, AircraftState]:
         """The sight at the start and what is seen then."""
         start = prior(
             _straight(state, self.route),
@@ -83,20 +87,23 @@ class Navigator:
             1,
         )
         sensors = tuple(
-            sensor.begin(state.time, Streams(self.seed, self.flight, 1, name)) for name, sensor in self.sensors
+            ask_sensor(sensor, "begin", state.time, Streams(self.seed, self.flight, 1, name))
+            for name, sensor in self.sensors
         )
         tracker = ask(self.tracker, "begin", _batched(start))
-        sight = Sight(sensors, tracker, state.time, tracker, state.time, (), math.nan, math.nan)
+        sight = NavigatorState(sensors, tracker, state.time, tracker, state.time, (), math.nan, math.nan)
         return sight, self._seen(sight, state)
 
     @_in_the_loop()
-    def step(self, sight: Sight, before: AircraftState, after: AircraftState) -> tuple[Sight, AircraftState]:
+    def step(
+        self, sight: NavigatorState, before: AircraftState, after: AircraftState
+    ) -> tuple[NavigatorState, AircraftState]:
         """The sight one record later and what is seen then; looks count from their arrival."""
         states, pending = [], list(sight.pending)
         for index, (state, (_, sensor)) in enumerate(zip(sight.sensors, self.sensors, strict=True)):
-            state, looks = sensor.step(state, before, after)
+            state, looks = looks_of(sensor, state, before, after)
             states.append(state)
-            pending += [(arrival, index, z, R) for _, arrival, z, R in looks]
+            pending += [(look.arrival, index, look.z, look.R) for look in looks]
         known = sorted((look for look in pending if look[0] <= after.time), key=lambda look: look[:2])
         late = tuple(look for look in pending if look[0] > after.time)
         sight = sight._replace(sensors=tuple(states), pending=late)
@@ -109,7 +116,7 @@ class Navigator:
             sight = sight._replace(ahead=ahead, now=after.time)
         return sight, self._seen(sight, after)
 
-    def _take(self, sight: Sight, looks: list[tuple[float, int, np.ndarray, np.ndarray]]) -> Sight:
+    def _take(self, sight: NavigatorState, looks: list[tuple[float, int, np.ndarray, np.ndarray]]) -> NavigatorState:
         arrival = looks[0][0]
         rows = sum(len(sensor.channels) for _, sensor in self.listened)
         z, R = np.full((rows, 1), np.nan), np.eye(rows)[..., None]
@@ -120,16 +127,21 @@ class Navigator:
                 z[part] = measured
                 R[part, part] = covariance if covariance.ndim == 3 else covariance[..., None]
             elif self.ranging is not None and index == len(self.listened):
-                sight = sight._replace(range=float(measured[0, 0]))
+                sight = sight._replace(range=self._last(index, "range", measured, sight.range))
             else:
-                sight = sight._replace(altimeter=float(measured[0, 0]))
+                sight = sight._replace(altimeter=self._last(index, "height", measured, sight.altimeter))
         if np.isnan(z).all():
             return sight
         with np.errstate(divide="ignore", invalid="ignore"):  # a lost track is a result
             tracker, _ = stepped(self.tracker, sight.tracker, arrival - sight.time, z, R)
         return sight._replace(tracker=tracker, time=arrival, ahead=tracker, now=arrival)
 
-    def _seen(self, sight: Sight, state: AircraftState) -> AircraftState:
+    def _last(self, index: int, quantity: str, measured: np.ndarray, before: float) -> float:
+        """What a sensor that completes a height measured of its quantity, m; as before where it missed it."""
+        value = float(measured[self.sensors[index][1].channels.index(quantity), 0])
+        return before if math.isnan(value) else value
+
+    def _seen(self, sight: NavigatorState, state: AircraftState) -> AircraftState:
         """The aircraft's own state with what the tracker believes now, by its own prediction."""
         estimate = believed(self.tracker, sight.ahead)
         mean = (merge(estimate) if isinstance(estimate, Mixture) else estimate).mean
@@ -143,7 +155,7 @@ class Navigator:
             )
         return state._replace(height=self._height(sight, state, values))
 
-    def _height(self, sight: Sight, state: AircraftState, believed: dict[str, float]) -> float:
+    def _height(self, sight: NavigatorState, state: AircraftState, believed: dict[str, float]) -> float:
         elevation = next(value for name, value in believed.items() if name.endswith(".elevation"))
         if math.isnan(sight.range):
             return float(state.height)  # not yet coupled: the barometric height of the level leg
@@ -186,8 +198,9 @@ def navigator(prepared: Prepared, flight: int) -> Navigator | None:
     elevation = ranging = altimeter = None
     if "north" not in tracker.channels:
         owner = next((c.rpartition(".")[0] for c in tracker.channels if c.endswith(".elevation")), None)
-        ranging = next((one for one in others if one[1].channels == ("range",)), None)
-        altimeter = next((one for one in others if one[1].channels == ("height",)), None)
+        ranging, altimeter = (
+            next((one for one in others if quantity in one[1].channels), None) for quantity in ("range", "height")
+        )
         if owner is None or ranging is None:
             raise ScenarioError(
                 f"[autopilot] navigation: tracker '{name}' gives neither a position nor, with a range, a height"

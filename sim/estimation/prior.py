@@ -8,12 +8,15 @@ import numpy as np
 
 from sim.flight.interpolation import truth_at
 from sim.flight.record import Flight
+from sim.observation.sensor import quantity_of
 from sim.randomness import stream
 from tracking.gaussian import Gaussian
 from tracking.measurement import wrap
 
 PRIOR_POSITION, PRIOR_RATE, PRIOR_ACCELERATION = 100.0, 5.0, 0.5  # m, m/s, m/s2: of the unit that hands over
 DIFFERENCE = 0.1  # s, of the central differences behind rates
+SPREADS = (PRIOR_POSITION, PRIOR_RATE, PRIOR_ACCELERATION)
+NEAR = 1000.0  # m, from where the angles of a sensor that stands nowhere are known as those of a place are
 ORDERS = ("", "_rate", "_acceleration")
 PLANE = ("north", "east", "height")
 
@@ -26,12 +29,20 @@ def split(component: str) -> tuple[str, int]:
     return component, 0
 
 
+def _measured_or_derived(sensors: dict[str, Any], component: str) -> tuple[str, int]:
+    """As `split`, but a rate that is itself a channel of a sensor, and no derivative of another one, is a quantity."""
+    quantity, order = split(component)
+    name, _, channel = component.rpartition(".")
+    own = sensors[name].channels if name in sensors else ()
+    return (component, 0) if channel in own and quantity.rpartition(".")[2] not in own else (quantity, order)
+
+
 def true_values(flight: Flight, sensors: dict[str, Any], component: str, time: np.ndarray) -> np.ndarray:
     """(k,) true values of a component at ``time`` (k,); rates by central differences.
 
     Raises ``KeyError`` for a component that no flight has.
     """
-    quantity, order = split(component)
+    quantity, order = _measured_or_derived(sensors, component)
     if order == 0:
         return _quantity(flight, sensors, quantity, time)
     first, last = flight.time[0] + DIFFERENCE, flight.time[-1] - DIFFERENCE
@@ -39,7 +50,7 @@ def true_values(flight: Flight, sensors: dict[str, Any], component: str, time: n
     before, now, after = (
         _quantity(flight, sensors, quantity, middle + shift) for shift in (-DIFFERENCE, 0.0, DIFFERENCE)
     )
-    if quantity.endswith(("azimuth", "elevation")):
+    if quantity_of(quantity).wraps:
         before, after = now + wrap(before - now), now + wrap(after - now)
     if order == 1:
         return np.asarray((after - before) / (2 * DIFFERENCE))
@@ -47,12 +58,13 @@ def true_values(flight: Flight, sensors: dict[str, Any], component: str, time: n
 
 
 def _quantity(flight: Flight, sensors: dict[str, Any], quantity: str, time: np.ndarray) -> np.ndarray:
-    position = truth_at(flight, time).position
+    truth = truth_at(flight, time)
     if quantity in PLANE:
-        return np.asarray(position[PLANE.index(quantity)])
+        return np.asarray(truth.position[PLANE.index(quantity)])
     name, _, channel = quantity.rpartition(".")
-    sensor = sensors[name]
-    return np.asarray(sensor.truth(position)[sensor.channels.index(channel)])
+    if name not in sensors or channel not in sensors[name].channels:
+        raise KeyError(quantity)
+    return np.asarray(sensors[name].truth(truth.state)[sensors[name].channels.index(channel)])
 
 
 def prior(
@@ -68,9 +80,9 @@ def prior(
     at = np.array([time])
     means, spreads, errors = [], [], []
     for component in components:
-        quantity, order = split(component)
-        sigma = (PRIOR_POSITION, PRIOR_RATE, PRIOR_ACCELERATION)[order]
-        if quantity.endswith(("azimuth", "elevation")):
+        quantity, order = _measured_or_derived(sensors, component)
+        sigma = SPREADS[min(order + (quantity_of(quantity) == quantity_of("range_rate")), 2)]
+        if quantity_of(quantity).wraps:
             sigma /= _distance(flight, sensors[quantity.rpartition(".")[0]], at)
         means.append(true_values(flight, sensors, component, at)[0])
         spreads.append(sigma)
@@ -80,5 +92,7 @@ def prior(
 
 
 def _distance(flight: Flight, sensor: Any, time: np.ndarray) -> float:
+    if sensor.antenna is None:
+        return NEAR
     place = truth_at(flight, time).position[:, 0]
     return float(np.linalg.norm(place - np.array(sensor.antenna)))

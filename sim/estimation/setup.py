@@ -14,7 +14,8 @@ from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
 from sim.scenario.plugins import is_outside, said
 from tracking.contract import missing_members
-from tracking.measurement import DebiasedPolar, LinearMeasurement, Stacked
+from tracking.measurement import DebiasedPolar, LinearMeasurement, MeasurementModel, Stacked
+from tracking.partial_place import Azimuth, Chosen, GlidePath, SlantRange
 
 
 def reads_places(tracker: Any) -> bool:
@@ -24,10 +25,13 @@ def reads_places(tracker: Any) -> bool:
 def listened(prepared: Prepared, name: str, tracker: Any, sensors: Iterable[str]) -> tuple[str, ...]:
     """The sensors that a caller's tracker listens to: all, or those that give a place where it reads places.
 
+    Where none gives a place, it has those that measure an azimuth or a range.
+
     Raises ``ScenarioError`` where there is none.
     """
-    places = reads_places(tracker)
-    found = tuple(one for one in sensors if not places or gives_place(prepared.scenario.sensors[one]))
+    places, known, sensors = reads_places(tracker), prepared.scenario.sensors, tuple(sensors)
+    found = tuple(one for one in sensors if not places or known[one].gives_place)
+    found = found or tuple(one for one in sensors if {"azimuth", "range"} & {*known[one].channels})
     if not found:
         wanted = "no sensor that gives a position" if places else "no sensors"
         raise ScenarioError(
@@ -45,7 +49,7 @@ def adopt(prepared: Prepared, tracker: Any, names: tuple[str, ...]) -> Any:
         raise ScenarioError(f"a tracker of the caller cannot listen to '{cluttered[0]}', which has clutter")
     if not reads_places(tracker):
         return tracker
-    return dataclasses.replace(tracker, measurement=measurement_model(sensors, chart_height(prepared), "own"))
+    return dataclasses.replace(tracker, measurement=measurement_model(prepared, sensors, "own"))
 
 
 def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, str | None]:
@@ -75,12 +79,12 @@ def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, 
     if "route" in wanted:
         supplied["route"] = prepared.route
     if "measurement" in wanted:
-        places = {s: sensor for s, sensor in sensors.items() if "measured" not in wanted or gives_place(sensor)}
-        supplied["measurement"] = measurement_model(places, chart_height(prepared), name)
+        places = {s: sensor for s, sensor in sensors.items() if "measured" not in wanted or sensor.gives_place}
+        supplied["measurement"] = measurement_model(prepared, places, name)
     if "measured" in wanted:
         supplied["measured"] = tuple(f"{s}.{channel}" for s, sensor in sensors.items() for channel in sensor.channels)
     if "zero_azimuth" in wanted:
-        radar = next((sensor for sensor in sensors.values() if hasattr(sensor, "zero_azimuth")), None)
+        radar = next((sensor for sensor in sensors.values() if sensor.zero_azimuth is not None), None)
         if radar is None:
             raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}' needs a sensor that measures an azimuth")
         supplied["zero_azimuth"] = radar.zero_azimuth
@@ -122,7 +126,7 @@ def _cluttered(name: str, sensors: dict[str, Any]) -> Any:
 
 def _with_clutter(sensors: dict[str, Any]) -> list[str]:
     """Sensors whose looks hold false plots."""
-    return [name for name, sensor in sensors.items() if getattr(sensor, "clutter", 0.0) > 0.0]
+    return [name for name, sensor in sensors.items() if sensor.clutter > 0.0]
 
 
 def _given(cls: type) -> dict[str, bool]:
@@ -133,10 +137,6 @@ def _given(cls: type) -> dict[str, bool]:
         for field in dataclasses.fields(cls)
         if typing.get_origin(hints[field.name]) is Annotated and GIVEN in hints[field.name].__metadata__
     }
-
-
-def gives_place(sensor: Any) -> bool:
-    return sensor.channels == ("north", "east") or sensor.channels[:2] == ("range", "azimuth")
 
 
 def check(prepared: Prepared, own: dict[str, Any] | None = None) -> None:
@@ -184,21 +184,74 @@ def chart_height(prepared: Prepared) -> float:
     return prepared.route.legs[0].height
 
 
-def measurement_model(sensors: dict[str, Any], height: float, name: str) -> Any:
-    """How the plots of sensors become positions."""
-    models: list[Any] = []
+def measurement_model(prepared: Prepared, sensors: dict[str, Any], name: str) -> Any:
+    """How the looks of sensors become what a tracker on the ground plane updates with.
+
+    A sensor that gives a place is read as one; an azimuth or a slant range of one that does not is a row of its own.
+    What else they measure is left out. Raises ``ScenarioError`` for a sensor that has nothing for such a tracker, and
+    where all together give no place.
+    """
+    models: list[MeasurementModel] = []
     for sensor_name, sensor in sensors.items():
-        if sensor.channels == ("north", "east"):
-            models.append(LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))))
-        elif sensor.channels[:2] == ("range", "azimuth"):
-            north, east, up = sensor.antenna
-            known = None if "elevation" in sensor.channels else height - up
-            models.append(DebiasedPolar((north, east), sensor.zero_azimuth, known))
-        else:
+        model = _model(prepared, sensor)
+        if model is None:
             raise ScenarioError(
-                f"[trackers.{name}] sensors: '{sensor_name}' measures {', '.join(sensor.channels)}, "
-                f"which is no position"
+                f"[trackers.{name}] sensors: '{sensor_name}' measures {_listed(sensor)}, which is no position; "
+                f"a tracker on the ground plane uses {USED}"
             )
-    if not models:
-        raise ScenarioError(f"[trackers.{name}] sensors: none of them gives a position")
+        models.append(model)
+    if not any(sensor.gives_place for sensor in sensors.values()):
+        azimuths = sum("azimuth" in sensor.channels for sensor in sensors.values())
+        ranges = sum("range" in sensor.channels for sensor in sensors.values())
+        if azimuths == 0 or azimuths + ranges < 2:
+            measured = "; ".join(f"'{sensor_name}' {_listed(sensor)}" for sensor_name, sensor in sensors.items())
+            raise ScenarioError(
+                f"[trackers.{name}] sensors: {measured or 'none'}: from that alone no position follows; a tracker on "
+                f"the ground plane needs {USED}"
+            )
     return models[0] if len(models) == 1 else Stacked(tuple(models))
+
+
+USED = "north and east, or range and azimuth, of one sensor or of two"
+
+
+def _listed(sensor: Any) -> str:
+    return ", ".join(sensor.channels)
+
+
+def _model(prepared: Prepared, sensor: Any) -> MeasurementModel | None:
+    """How one sensor is read; None = it measures nothing of a place on the ground plane."""
+    channels = sensor.channels
+    used: tuple[str, ...]
+    model: MeasurementModel
+    if sensor.gives_place and "north" in channels:
+        used = ("north", "east")
+        model = LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
+    elif sensor.gives_place:
+        north, east, up = sensor.antenna
+        used = ("range", "azimuth", *(("elevation",) if "elevation" in channels else ()))
+        model = DebiasedPolar((north, east), sensor.zero_azimuth, None if used[2:] else chart_height(prepared) - up)
+    else:
+        used = tuple(channel for channel in channels if channel in ("azimuth", "range"))
+        parts = tuple(_row(prepared, sensor, channel) for channel in used)
+        if not parts:
+            return None
+        model = parts[0] if len(parts) == 1 else Stacked(parts)
+    rows = tuple(channels.index(channel) for channel in used)
+    return model if rows == tuple(range(len(channels))) else Chosen(model, rows, len(channels))
+
+
+def _row(prepared: Prepared, sensor: Any, channel: str) -> MeasurementModel:
+    north, east, up = sensor.antenna
+    if channel == "azimuth":
+        return Azimuth((north, east), sensor.zero_azimuth)
+    return SlantRange((north, east, up), glide_path(prepared))
+
+
+def glide_path(prepared: Prepared) -> GlidePath:
+    """The height that is taken for granted where a slant range is read: as charted, never the true one."""
+    runway, landing = prepared.scenario.runway, prepared.autopilot.landing
+    aim = runway.to_local(runway.aiming_point, 0.0)
+    return GlidePath(
+        prepared.route.legs[-1].height, aim, runway.heading, None if landing is None else landing.glide_path
+    )

@@ -19,6 +19,7 @@ from sim.metrics import conformance
 from sim.metrics.error_curves import ErrorCurves, error_curves
 from sim.metrics.tracker import TrackerErrors, plot_errors, tracker_errors, tracker_metrics
 from sim.observation.record import SensorRecord, measurements
+from sim.observation.sensor import quantity_of
 from sim.workers.sharing import current
 from tracking.conformance import CONFORMANCE
 from tracking.gaussian import Gaussian, Mixture, merge
@@ -194,10 +195,12 @@ def begins(
 ) -> float | None:
     """When a track begins, s: with the first look at the place, or with the flight where the autopilot flies on it.
 
-    A downlink says how the aircraft moves, not where it is, and begins no track. None = no sensor ever saw anything.
+    A sensor that says how the aircraft moves and not where it is, such as a downlink, begins no track. None = no place
+    sensor ever saw anything.
     """
-    looking = tuple(s for s in sensors if not hasattr(prepared.scenario.sensors[s], "load_factor_sigma"))
-    rows = [i for i, channel in enumerate(record.channels) if channel.rpartition(".")[0] in looking]
+    known = prepared.scenario.sensors
+    place_sensors = {s for s in sensors if any(quantity_of(channel).place for channel in known[s].channels)}
+    rows = [i for i, channel in enumerate(record.channels) if channel.rpartition(".")[0] in place_sensors]
     seen = np.isfinite(record.z[:, rows]).any(axis=(1, 2)) if len(record.time) else np.zeros(0, bool)
     if not seen.any():
         return None

@@ -8,10 +8,8 @@ import numpy as np
 
 from sim.flight.interpolation import Truth
 from sim.flight.record import Flight
+from sim.observation.sensor import QUANTITIES, quantity_of
 from tracking.measurement import wrap
-
-# unit suffix of a comparison channel and the factor from SI to it
-UNITS = {"azimuth": ("deg", 180 / np.pi), "elevation": ("deg", 180 / np.pi)}
 
 
 class Compared(NamedTuple):
@@ -40,21 +38,41 @@ def compare(
         found["position_m"] = Compared(error, plane[1])
         found["cross_track_m"] = _across(flight, truth, error, plane[1])
     for name, sensor in sensors.items():
-        for quantity in ("range", "azimuth", "elevation"):
+        for quantity in sensor.channels:
             component = f"{name}.{quantity}"
-            unit, factor = UNITS.get(quantity, ("m", 1.0))
+            factor = quantity_of(quantity).factor
             if component in components:
                 row = components.index(component)
-                exact = sensor.truth(truth.position)[sensor.channels.index(quantity)]
-                error = mean[:, [row]] - exact[:, None, None]
-                error = wrap(error) if quantity in UNITS else error
-                found[f"{component}_{unit}"] = Compared(factor * error, factor**2 * cov[:, [row]][:, :, [row]])
-            elif quantity == "azimuth" and plane is not None and quantity in sensor.channels:
-                found[f"{component}_{unit}"] = _azimuth(sensor, truth, plane[0], plane[1], factor)
+                error = _off(quantity, mean[:, [row]], _exact(sensor, truth, quantity)[:, None, None])
+                found[with_unit(component)] = Compared(factor * error, factor**2 * cov[:, [row]][:, :, [row]])
+            elif quantity == "azimuth" and plane is not None:
+                found[with_unit(component)] = _azimuth(sensor, truth, plane[0], plane[1], factor)
     if "height" in components:
         row = components.index("height")
         found["height_m"] = Compared(mean[:, [row]] - truth.position[2][:, None, None], cov[:, [row]][:, :, [row]])
     return found
+
+
+def with_unit(channel: str) -> str:
+    """The name of a comparison channel: that of the component with the suffix of its unit."""
+    unit = quantity_of(channel).unit
+    return f"{channel}_{unit}" if unit else channel
+
+
+def says_place(channel: str) -> bool:
+    """Whether a comparison channel says something of where the aircraft is."""
+    sensor, _, own = channel.rpartition(".")
+    return not sensor or own in {with_unit(name) for name, quantity in QUANTITIES.items() if quantity.place}
+
+
+def _exact(sensor: Any, truth: Truth, quantity: str) -> np.ndarray:
+    """(k,) a channel without error."""
+    return np.asarray(sensor.truth(truth.state)[sensor.channels.index(quantity)])
+
+
+def _off(quantity: str, value: np.ndarray, exact: np.ndarray) -> np.ndarray:
+    """Value minus truth, of an angle the shorter way round."""
+    return np.asarray(wrap(value - exact) if quantity_of(quantity).wraps else value - exact)
 
 
 def _plane(
@@ -92,7 +110,7 @@ def _across(flight: Flight, truth: Truth, error: np.ndarray, cov: Any) -> Compar
 
 def _azimuth(sensor: Any, truth: Truth, place: np.ndarray, cov: np.ndarray, factor: float) -> Compared:
     north, east = (place[:, i] - sensor.antenna[i] for i in (0, 1))
-    exact = sensor.truth(truth.position)[sensor.channels.index("azimuth")]
+    exact = _exact(sensor, truth, "azimuth")
     error = wrap(np.arctan2(east, north) - sensor.zero_azimuth - exact[:, None])
     square = north**2 + east**2
     slope = np.stack((-east / square, north / square), axis=1)
@@ -121,12 +139,9 @@ def raw(
                 ground = np.sqrt(np.maximum(slant**2 - (chart_height - up) ** 2, 0.0))
             seen = np.stack((north + ground * np.cos(bearing), east + ground * np.sin(bearing)), axis=1)
             plots = np.where(np.isnan(plots), seen, plots)
-        for quantity in ("range", "azimuth", "elevation"):
-            if quantity in rows:
-                unit, factor = UNITS.get(quantity, ("m", 1.0))
-                error = z[:, rows[quantity]] - sensor.truth(truth.position)[sensor.channels.index(quantity)][:, None]
-                error = wrap(error) if quantity in UNITS else error
-                found[f"{name}.{quantity}_{unit}"] = Compared(factor * error[:, None], None)
+        for quantity, row in rows.items():
+            error = _off(quantity, z[:, row], _exact(sensor, truth, quantity)[:, None])
+            found[with_unit(f"{name}.{quantity}")] = Compared(quantity_of(quantity).factor * error[:, None], None)
     if np.isfinite(plots).any():
         error = plots - truth.position[:2].T[:, :, None]
         found["position_m"] = Compared(error, None)

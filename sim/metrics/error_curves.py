@@ -60,11 +60,11 @@ def error_curves(flight: Flight, sensors: dict[str, Any], track: Track, errors: 
     Angles are among them where the tracker estimates them: an estimate of the place projected onto them is left to the
     tables.
     """
-    spoken = {channel.partition(".")[0] for channel in track.channels}
+    estimated = {channel.partition(".")[0] for channel in track.channels}
     compared = {
         channel: one
         for channel, one in errors.estimates.items()
-        if "." not in channel or channel.partition(".")[0] in spoken
+        if "." not in channel or channel.partition(".")[0] in estimated
     }
     first, draws = _first_seen(errors.plots), track.mean.shape[2]
     edges = windows(track.time, first, flight, draws)
@@ -159,7 +159,8 @@ def _finite(values: np.ndarray) -> np.ndarray:
 
 def _first_seen(plots: dict[str, Compared]) -> int:
     """Epoch of the first measurement that says where the target is: before it a track is what was handed over."""
-    seen = [np.isfinite(plot.error).any(axis=(1, 2)) for plot in plots.values()]
+    places = (plot for channel, plot in plots.items() if comparison.says_place(channel))
+    seen = [np.isfinite(plot.error).any(axis=(1, 2)) for plot in places]
     return int(np.argmax(np.any(seen, axis=0))) if seen else 0
 
 

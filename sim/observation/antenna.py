@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from aircraft.state import AircraftState
+from sim.observation.sensor import Look
+from sim.randomness import Rows
 from sim.scenario.tables import Runway
+
+ARC = 2.0  # deg of an outline between two corners
+FAR = 20 * 1852.0  # m, how far what sees as far as it likes is drawn
+
+S = TypeVar("S")  # a sensor's state
 
 
 def location(runway: Runway, position: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -21,6 +30,11 @@ def wrapped(angle: Any) -> Any:
     return (angle + math.pi) % (2 * math.pi) - math.pi
 
 
+def place(state: AircraftState) -> tuple[Any, Any, Any]:
+    """(north, east, height) of a state, m."""
+    return state.north, state.east, state.height
+
+
 def polar(position: Any, antenna: tuple[float, float, float], zero: float) -> tuple[Any, Any, Any]:
     """(slant range m, azimuth rad, elevation rad) of (north, east, height); azimuth + right seen from the antenna."""
     north, east, up = (p - a for p, a in zip(position, antenna, strict=True))
@@ -28,10 +42,47 @@ def polar(position: Any, antenna: tuple[float, float, float], zero: float) -> tu
     return np.hypot(ground, up), wrapped(np.arctan2(east, north) - zero), np.arctan2(up, ground)
 
 
-def epochs(first: float, period: float, until: float) -> list[float]:
-    """Instants ``first + i period`` up to ``until``; the period need not fit any other step."""
-    count = int((until - first) / period) + 1 if until >= first else 0
-    return [first + i * period for i in range(count)]
+class Sampling(NamedTuple):
+    """The state of a sensor that carries nothing but its noise from step to step."""
+
+    epoch: float  # s, of the next look
+    noise: Rows
+
+
+def looks_until(state: S, period: float, until: float, look: Callable[[float], Look | None]) -> tuple[S, list[Look]]:
+    """The looks at all epochs up to ``until``, and the state with the epoch after; a look that is None is not made.
+
+    ``state`` has a field ``epoch``, the next one; the period need not fit any other step.
+    """
+    own: Any = state
+    epoch, looks = own.epoch, []
+    while epoch <= until:
+        made = look(epoch)
+        if made is not None:
+            looks.append(made)
+        epoch += period
+    return own._replace(epoch=epoch), looks
+
+
+def sector(
+    antenna: tuple[float, float, float], axis: float, width: float, reach: float
+) -> tuple[tuple[float, float], ...]:
+    """Outline of all within ``reach`` (m) and ``width / 2`` (rad) of an axis (course, rad); all round from 2 pi on."""
+    north, east, _ = antenna
+    all_round = width >= 2 * math.pi
+    turn = axis + np.linspace(-0.5, 0.5, max(2, math.ceil(math.degrees(min(width, 2 * math.pi)) / ARC) + 1)) * width
+    arc = tuple((north + reach * math.cos(a), east + reach * math.sin(a)) for a in turn.tolist())
+    return arc if all_round else ((north, east), *arc)
+
+
+def inside(outline: tuple[tuple[float, float], ...], north: Any, east: Any) -> np.ndarray:
+    """Whether points lie within an outline, by the parity of edges to their east; () is everywhere."""
+    north, east = np.asarray(north), np.asarray(east)
+    within = np.full(north.shape, not outline)
+    for (n0, e0), (n1, e1) in zip(outline, outline[1:] + outline[:1], strict=True):
+        if n0 != n1:
+            within ^= ((n0 > north) != (n1 > north)) & (east < e0 + (e1 - e0) * (north - n0) / (n1 - n0))
+    return within
 
 
 def at_least_a_step(period: float, name: str = "period") -> None:

@@ -8,7 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from aircraft.state import AircraftState
+from sim.errors import ScenarioError
 from sim.flight.record import Flight
+from sim.observation.sensor import Look, SensorError, ask, looks_of
 from sim.randomness import Streams
 from tracking.track import Measurements
 
@@ -27,23 +29,37 @@ class SensorRecord(NamedTuple):
 def observe(
     flight: Flight, sensors: dict[str, Any], seed: int, number: int = 0, draws: int = 1
 ) -> dict[str, SensorRecord]:
-    """What every sensor measures along a flight, ``draws`` times with independent noise."""
-    return {name: _watch(flight, sensor, Streams(seed, number, draws, name)) for name, sensor in sensors.items()}
+    """What every sensor measures along a flight, ``draws`` times with independent noise.
+
+    Raises ``ScenarioError`` for a sensor that does not keep its contract.
+    """
+    return {name: _watch(flight, name, sensor, Streams(seed, number, draws, name)) for name, sensor in sensors.items()}
 
 
-def _watch(flight: Flight, sensor: Any, streams: Streams) -> SensorRecord:
+def _watch(flight: Flight, name: str, sensor: Any, streams: Streams) -> SensorRecord:
     records = [AircraftState(*row) for row in np.column_stack(flight.state).tolist()]
-    state, looks = sensor.begin(records[0].time, streams), []
-    for before, after in pairwise(records):
-        state, seen = sensor.step(state, before, after)
-        looks += seen
+    looks: list[Look] = []
+    try:
+        state = ask(sensor, "begin", records[0].time, streams)
+        for before, after in pairwise(records):
+            state, seen = looks_of(sensor, state, before, after)
+            looks += seen
+    except SensorError as error:
+        raise ScenarioError(f"[sensors.{name}] {error}") from error
     m = len(sensor.channels)
     if not looks:
         return SensorRecord(
             sensor.channels, np.empty(0), np.empty(0), np.empty((0, m, streams.draws)), np.empty((0, m, m))
         )
-    # the candidates are the fifth element of the looks of a sensor with clutter
-    return SensorRecord(sensor.channels, *(np.array(column) for column in zip(*looks, strict=True)))
+    time, arrival, z, R, plots = zip(*looks, strict=True)
+    return SensorRecord(
+        sensor.channels,
+        np.array(time),
+        np.array(arrival),
+        np.array(z),
+        np.array(R),
+        None if plots[0] is None else np.array(plots),
+    )
 
 
 def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> Measurements:

@@ -7,6 +7,7 @@ import numpy as np
 from sim.estimation.tracking_run import Tracked
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
+from sim.observation.sensor import QUANTITIES, quantity_of
 
 
 def flight_arrays(flight: Flight) -> dict[str, np.ndarray]:
@@ -47,6 +48,7 @@ def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray
         arrays[f"{name}.time_s"] = record.time
         arrays[f"{name}.arrival_s"] = record.arrival
         arrays[f"{name}.channels"] = np.array(record.channels)
+        arrays[f"{name}.units"] = np.array([quantity_of(channel).si for channel in record.channels])
         arrays[f"{name}.z"] = record.z
         # sensors' errors are independent: R is diagonal
         R = record.R if record.R.ndim == 4 else record.R[..., None]
@@ -86,7 +88,10 @@ def plot_columns(record: SensorRecord, candidates: np.ndarray) -> dict[str, np.n
         "arrival_s": record.arrival[epoch],
         "draw": draw,
         "target": (plot == 0).astype(int),
-        **{with_unit(channel): values for channel, values in zip(record.channels, places, strict=True)},
+        **{
+            with_unit(channel, quantity_of(channel).si): values
+            for channel, values in zip(record.channels, places, strict=True)
+        },
     }
 
 
@@ -94,9 +99,14 @@ ANGLES = ("azimuth", "elevation", "bearing", "course", "bank", "heading", "turn"
 PER_TIME = {"_rate": "ps", "_speed": "ps", "_acceleration": "ps2"}  # how a channel's name ends -> how its unit does
 
 
-def with_unit(channel: str) -> str:
-    """The channel, or its standard deviation, with the SI suffix of its quantity."""
+def with_unit(channel: str, si: str | None = None) -> str:
+    """The channel, or its standard deviation, with the SI suffix of its quantity, where that is not given."""
+    if si is not None:
+        return f"{channel}_{si}" if si else channel
     plain = channel.removesuffix("_sigma")
+    if plain.rpartition(".")[2] in QUANTITIES:
+        si = quantity_of(plain).si
+        return f"{channel}_{si}" if si else channel
     if "load_factor" in plain:
         return channel
     quantity = "rad" if any(angle in plain for angle in ANGLES) else "m"

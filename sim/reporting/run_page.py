@@ -10,6 +10,7 @@ from typing import Any
 from sim.flight.record import Flight
 from sim.metrics.conformance import foremost, told_in_words
 from sim.reporting.figures.flight import charts
+from sim.reporting.figures.measurements import measurement_charts
 from sim.reporting.page import rendered, text_of
 from sim.reporting.replay import replay
 from sim.reporting.text.header import first_screen
@@ -73,7 +74,7 @@ def write(
         "report.html",
         **first_screen(scenario, flight, metrics, shown),
         conformance=told_in_words(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
-        charts=flight_charts(),
+        charts=[*flight_charts(), *measurement_charts(flight, scenario.sensors, records)],
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
         events=event_rows(flight),
         outcome=words(metrics["flight"]["outcome"]),

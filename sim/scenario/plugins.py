@@ -220,10 +220,7 @@ def fault(cls: type[Any], family: str) -> str | None:
 
 def members(family: str) -> tuple[str, ...]:
     """Names that every class of a family has."""
-    try:
-        found: tuple[str, ...] = importlib.import_module(catalogue.CONTRACTS[family]).MEMBERS
-    except ModuleNotFoundError:  # TODO: goes when every family has its page
-        found = (catalogue.FOLDERS[family][1],)
+    found: tuple[str, ...] = importlib.import_module(catalogue.CONTRACTS[family]).MEMBERS
     return found
 
 

@@ -133,6 +133,23 @@ def test_talk_down_on_the_imm_says_why_it_fails(row):
     assert too_late == count
 
 
+def test_a_localiser_and_a_dme_lead_into_the_box(row):
+    """The densities of the tracker and the lag that the recipe is told, 4 s, were chosen on seeds 1 and 2."""
+    count = 24
+    _, _, figures, anees = approaches("an26_localiser", "line_of_approach", count)
+    share = proportion(sum(map(in_box, figures)), count)
+    across, rate = (spread(figures, name) for name in ("cross_track_at_decision_height_m", "bank_rate_rms_final_degps"))
+    late = mean_interval([m["navigated"]["rate_lag_s"] for m in figures])
+    row(
+        f"an26_localiser, 5 m/s across, {count} flights: P(box), across at 60 m, bank rate, lag, ANEES",
+        "landed for every seed",
+        f"{told(share)} {dict(Counter(m['outcome'] for m in figures))}; {across} m; {rate} deg/s; "
+        f"{told(late)} s; {told(mean_interval(anees))}",
+        share.value == 1.0,
+    )
+    assert share.value == 1.0
+
+
 def test_talk_down_on_the_imm_with_the_law_that_tolerates_its_lag(row):
     """The lag that the recipe is told, 7 s, was chosen on seed 77."""
     count = 24

@@ -49,7 +49,7 @@ def test_every_bundled_scenario_can_be_tracked(name):
     check(prepare(scenario))
     heard = {sensor for tracker in scenario.trackers.values() for sensor in tracker.sensors}
     if scenario.autopilot.navigation != "truth":
-        heard |= {n for n, sensor in scenario.sensors.items() if sensor.channels in (("range",), ("height",))}
+        heard |= {n for n, sensor in scenario.sensors.items() if {"range", "height"} & {*sensor.channels}}
     assert set(scenario.sensors) <= heard
     asked = [one.metric.split(".")[1] for one in scenario.checks if one.metric.startswith("trackers.")]
     assert set(asked) <= set(scenario.trackers)
@@ -149,6 +149,26 @@ def test_a_talk_down_lands_in_the_box():
     assert abs(figures["touchdown"]["cross_track_m"]) <= 21.0
     assert abs(figures["cross_track_at_decision_height_m"]) <= 30.0
     assert abs(figures["height_error_at_decision_height_m"]) <= 7.5
+
+
+def test_a_localiser_and_a_dme_lead_into_the_box_in_a_crosswind():
+    low = {"route.height_m": 150.0, "route.downwind_speed_mps": 60.0, "route.turn_speed_mps": 60.0}
+    place = {"start.distance_m": 5000.0, "start.cross_track_m": 30.0}  # just before the glide path begins
+    _, figures = approach("an26_localiser", "line_of_approach", **low, **place)
+    assert figures["outcome"] == "landed"
+    assert abs(figures["touchdown"]["cross_track_m"]) <= 17.0
+    assert abs(figures["cross_track_at_decision_height_m"]) <= 30.0
+
+
+def test_a_course_line_that_is_not_aligned_is_flown_beside_the_runway():
+    """On straight flight the estimate is off by the bias times the distance to the antenna, and so is the aircraft."""
+    changes = {**POINT_MASS, "wind": {}, "until_s": 60.0, "start.distance_m": 9000.0, "start.cross_track_m": 0.0}
+    beside = {}
+    for bias in (0.0, 0.5):
+        flight, _ = approach("an26_localiser", "line_of_approach", **changes, **{"sensors.localiser.bias_deg": bias})
+        beside[bias] = flight.deviation.cross_track[-1]
+    to_antenna = 9000.0 + 2800.0 - 60.0 * 70.0  # the aiming point is 300 m on, the speed about 70 m/s
+    assert beside[0.5] - beside[0.0] == pytest.approx(to_antenna * math.radians(0.5), rel=0.25)
 
 
 def test_a_glide_path_through_an_elevation_holds_its_height_among_anomalies():

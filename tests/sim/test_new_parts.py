@@ -6,6 +6,7 @@ the real one, so that nothing else knows their names.
 
 from __future__ import annotations
 
+import base64
 import importlib
 import re
 import shutil
@@ -19,10 +20,14 @@ import pytest
 import sim
 from aircraft.wind_event import broken_promises as broken_by_event
 from sim.cli.explain import explain
+from sim.cli.export import export
 from sim.cli.listing import kind_lines
 from sim.errors import ScenarioError
+from sim.estimation.setup import check
 from sim.estimation.trial import maker
-from sim.experiment import report
+from sim.experiment import report, run_to_folder
+from sim.flight.preparation import prepare
+from sim.observation.sensor import broken_promises as broken_by_sensor
 from sim.scenario import catalogue
 from sim.scenario.parameters import construct
 from sim.scenario.reading import read
@@ -209,3 +214,127 @@ def test_a_wrong_tracker_that_flies_the_aircraft_gets_one_sentence_too(tmp_path)
             ScenarioError, match=r"navigation: its tracker.s step raises ZeroDivisionError: division by zero"
         ):
             sim.run({**tables, "autopilot": {"navigation": "simple"}})
+
+
+# ---- a new sensor ------------------------------------------------------------------------------------------------
+
+DOPPLER = (PARTS / "doppler_radar.py").read_text()
+WATCHED = {**LINE["sensors"], "doppler": {"kind": "doppler_radar"}}
+BESIDE = {
+    "both": {"kind": "kalman"},  # all sensors: place by the radar, and the range of the new one
+    "alone": {"kind": "kalman", "sensors": ["radar"]},
+}
+
+
+@pytest.fixture(scope="module")
+def watched(tmp_path_factory):
+    """The new sensor in its folder, and the run of a scenario that names it, with its files."""
+    with dropped(tmp_path_factory.mktemp("sensors"), "sensors", "doppler_radar", DOPPLER):
+        folder = tmp_path_factory.mktemp("run")
+        yield run_to_folder({**LINE, "sensors": WATCHED, "trackers": BESIDE}, {}, folder)[1], folder
+
+
+def test_a_new_sensor_keeps_its_contract_and_is_documentation(watched):
+    cls = catalogue.load("sensors", "doppler_radar")
+    assert broken_by_sensor(cls, lambda: construct(cls, {}, runway=Runway())) == []
+    assert len(DOPPLER.splitlines()) <= 60
+
+
+def test_a_new_sensor_measures_along_the_flight(watched):
+    """North along a line 100 m beside its antenna: range and range rate by Pythagoras."""
+    record, state = watched[0].records["doppler"], watched[0].flight.state
+    away = [np.interp(record.time, state.time, one) for one in (state.north, state.east, state.height)]
+    north, east, up = (one - own for one, own in zip(away, (300.0, 200.0, 3.0), strict=True))
+    slant = np.sqrt(north**2 + east**2 + up**2)
+    along = (
+        np.interp(record.time, state.time, state.velocity_north),
+        np.interp(record.time, state.time, state.velocity_east),
+    )
+    rate = (north * along[0] + east * along[1]) / slant  # it flies level
+    assert record.channels == ("range", "range_rate")
+    for row, (exact, sigma) in enumerate(((slant, 30.0), (rate, 0.5))):
+        assert np.std(record.z[:, row] - exact[:, None]) == pytest.approx(sigma, rel=0.15)  # 316 numbers: sd 4 %
+
+
+def test_a_new_sensor_is_explained_drawn_and_reported(watched):
+    result, folder = watched
+    assert re.search(r"doppler +range, range_rate +0\.5", explain(result.scenario))
+    page = (folder / "report.html").read_text()
+    assert "What the sensors measured" in page
+    images = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', page)
+    drawn = [base64.b64decode(image).decode() for image in images]
+    assert any("doppler: range rate, m/s" in image for image in drawn)
+    assert any(">doppler<" in image for image in drawn)  # its antenna on the plan
+
+
+def test_what_a_sensor_covers_is_drawn_where_it_is(watched):
+    from sim.reporting.figures.plan_view import plan_view
+
+    cls = catalogue.load("sensors", "precision_radar")
+    radar = construct(cls, {"position_m": [1200, 150, 3], "sector_deg": 20, "coverage_m": 9000}, runway=Runway())
+    axes = plan_view(watched[0].flight, Runway(), (0.0, 0.0), None, {"eye": radar}).axes[0]
+    (edge,) = [line for line in axes.lines if line.get_linewidth() == 0.7]
+    away = np.hypot(edge.get_xdata() - 1.2, edge.get_ydata() - 0.15)  # km; the final course runs north
+    assert away[[0, -1]] == pytest.approx(0.0)
+    assert away[1:-1] == pytest.approx(9.0)
+    half = np.degrees(np.arctan2(edge.get_ydata()[1:-1] - 0.15, 1.2 - edge.get_xdata()[1:-1]))
+    assert (half.min(), half.max()) == pytest.approx((-10.0, 10.0))
+    assert "eye" in [text.get_text() for text in axes.texts]
+
+
+def test_a_new_sensor_is_recorded_and_exported_with_its_units(watched):
+    _, folder = watched
+    with np.load(folder / "measurements.npz") as arrays:
+        assert arrays["doppler.units"].tolist() == ["m", "mps"]
+    export(folder, "csv")
+    with (folder / "measurements.doppler.csv").open() as file:
+        assert file.readline().strip() == (
+            "time_s,arrival_s,draw,range_m,range_sigma_m,range_rate_mps,range_rate_sigma_mps"
+        )
+
+
+def test_a_tracker_of_places_uses_the_range_of_a_new_sensor_beside_a_radar(watched):
+    figures = watched[0].metrics["trackers"]
+    both, alone = (figures[name]["overall"]["position_m"]["rmse"] for name in ("both", "alone"))
+    assert both < 0.9 * alone  # 30 m twice a second beside 60 m every 2 s
+    track = watched[0].tracks["both"].track
+    assert track.white.shape[1] == 3  # two rows of a place and one range; the rate is left out
+
+
+def test_a_tracker_that_cannot_use_a_new_sensor_says_so_in_one_sentence(watched):
+    for sensors, said in (
+        (["doppler"], "'doppler' range, range_rate: from that alone no position follows"),
+        (["radar", "altimeter"], "'altimeter' measures height, which is no position"),
+    ):
+        tables = {**WATCHED, "altimeter": {"kind": "radio_altimeter"}}
+        trackers = {"t": {"kind": "kalman", "sensors": sensors}}
+        with pytest.raises(ScenarioError) as caught:
+            check(prepare(read({**LINE, "sensors": tables, "trackers": trackers})))
+        assert said in str(caught.value)
+        assert "needs north and east" in str(caught.value) or "uses north and east" in str(caught.value)
+        assert len(str(caught.value).splitlines()) == 1
+
+
+WRONG_SENSORS = {
+    "has no 'outline', which every sensor has": ("def outline(", "def edge("),
+    "[sensors.doppler] step raises ZeroDivisionError: division by zero": (
+        "        def look(",
+        "        1 / 0\n\n        def look(",
+    ),
+    "[sensors.doppler] step gives z of the shape (2,), not (2, draws)": (
+        "Look(epoch, epoch, z,",
+        "Look(epoch, epoch, z[:, 0],",
+    ),
+}
+
+
+@pytest.mark.parametrize("said", WRONG_SENSORS)
+def test_a_wrong_sensor_gets_one_sentence(said, tmp_path):
+    kind = f"wrong_sensor_{len(said)}"  # classes are remembered by their module
+    with (
+        dropped(tmp_path, "sensors", kind, DOPPLER.replace(*WRONG_SENSORS[said])),
+        pytest.raises(ScenarioError) as caught,
+    ):
+        sim.run({**LINE, "until_s": 5, "draws": 2, "sensors": {"doppler": {"kind": kind}}})
+    assert said in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1

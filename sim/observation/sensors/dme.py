@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from aircraft.state import AircraftState
-from sim.flight.interpolation import position_at
-from sim.observation.antenna import at_least_a_step, location, polar, positive
+from sim.flight.interpolation import state_at
+from sim.observation.antenna import at_least_a_step, location, looks_until, place, polar, positive
+from sim.observation.sensor import Look
 from sim.randomness import Rows, Streams
 from sim.scenario.tables import Runway
 
 
-class Look(NamedTuple):
+class Interrogator(NamedTuple):
     """What is carried from step to step."""
 
     epoch: float
@@ -44,26 +45,44 @@ class Dme:
         return ("range",)
 
     @property
+    def gives_place(self) -> bool:
+        """It does not say where the aircraft is on the ground plane."""
+        return False
+
+    @property
+    def clutter(self) -> float:
+        """It knows its target."""
+        return 0.0
+
+    @property
     def antenna(self) -> tuple[float, float, float]:
         """(north, east, height) of the transponder, m."""
         return location(self.runway, self.position)
 
-    def truth(self, position: Any) -> np.ndarray:
-        """Noise-free channels for (north, east, height), shape (3, ...) -> (1, ...)."""
-        return np.stack(polar(position, self.antenna, 0.0)[:1])
+    @property
+    def zero_azimuth(self) -> None:
+        """It measures none."""
+        return
 
-    def begin(self, time: float, streams: Streams) -> Look:
+    def truth(self, state: AircraftState) -> np.ndarray:
+        """Noise-free channels, shape (1, ...)."""
+        return np.stack(polar(place(state), self.antenna, 0.0)[:1])
+
+    def outline(self) -> tuple[()]:
+        """It has no limits on the ground."""
+        return ()
+
+    def begin(self, time: float, streams: Streams) -> Interrogator:
         """Ready for the first reply, one period after ``time``."""
-        return Look(time + self.period, streams.normal("noise", 1), self.bias_sigma * streams.normal("bias", 1).row())
+        bias = self.bias_sigma * streams.normal("bias", 1).row()
+        return Interrogator(time + self.period, streams.normal("noise", 1), bias)
 
-    def step(
-        self, look: Look, before: AircraftState, after: AircraftState
-    ) -> tuple[Look, list[tuple[float, float, np.ndarray, np.ndarray]]]:
-        """Replies between two records: (epoch, arrival, z (1, draws), R (1, 1))."""
-        looks = []
-        epoch = look.epoch
-        while epoch <= after.time:
-            z = self.truth(position_at(before, after, epoch))[:, None] + look.bias + self.sigma * look.noise.row()
-            looks.append((epoch, epoch, z, np.array([[self.sigma**2 + self.bias_sigma**2]])))
-            epoch += self.period
-        return look._replace(epoch=epoch), looks
+    def step(self, state: Interrogator, before: AircraftState, after: AircraftState) -> tuple[Interrogator, list[Look]]:
+        """Replies between two records."""
+        R = np.array([[self.sigma**2 + self.bias_sigma**2]])
+
+        def reply(epoch: float) -> Look:
+            exact = self.truth(state_at(before, after, epoch))
+            return Look(epoch, epoch, exact[:, None] + state.bias + self.sigma * state.noise.row(), R)
+
+        return looks_until(state, self.period, after.time, reply)

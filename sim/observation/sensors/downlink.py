@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal
 
 import numpy as np
 
 from aircraft.state import AircraftState
-from sim.observation.antenna import at_least_a_step, positive, wrapped
-from sim.randomness import Rows, Streams
+from sim.observation.antenna import Sampling, at_least_a_step, looks_until, positive, wrapped
+from sim.observation.sensor import Look
+from sim.randomness import Streams
 from sim.scenario.tables import Runway
 
 CHANNELS = (
@@ -21,13 +22,6 @@ CHANNELS = (
     "flight_path_angle",
     "air_course",
 )
-
-
-class Look(NamedTuple):
-    """What is carried from step to step."""
-
-    epoch: float
-    noise: Rows
 
 
 @dataclass(frozen=True)
@@ -65,6 +59,26 @@ class Downlink:
         """What is measured, in the order of z."""
         return CHANNELS
 
+    @property
+    def gives_place(self) -> bool:
+        """It does not say where the aircraft is on the ground plane."""
+        return False
+
+    @property
+    def clutter(self) -> float:
+        """It knows its target."""
+        return 0.0
+
+    @property
+    def antenna(self) -> None:
+        """It is in the aircraft."""
+        return
+
+    @property
+    def zero_azimuth(self) -> None:
+        """It measures none."""
+        return
+
     def sigmas(self) -> np.ndarray:
         """Standard deviations of the channels, shape (6,)."""
         return np.array((*(3 * (self.load_factor_sigma,)), self.bank_sigma, self.path_sigma, self.course_sigma))
@@ -81,25 +95,27 @@ class Downlink:
             angle, course = np.arctan2(state.velocity_up, state.ground_speed), state.course
         return np.stack([*state.load_factor, state.aerodynamic_bank, angle, course])
 
-    def begin(self, time: float, streams: Streams) -> Look:
-        """Ready for the first message, one period after ``time``."""
-        return Look(time + self.period, streams.normal("noise", 6))
+    def outline(self) -> tuple[()]:
+        """It has no limits on the ground."""
+        return ()
 
-    def step(
-        self, look: Look, before: AircraftState, after: AircraftState
-    ) -> tuple[Look, list[tuple[float, float, np.ndarray, np.ndarray]]]:
-        """Messages between two records: (epoch, arrival, z (6, draws), R (6, 6))."""
-        looks = []
-        epoch = look.epoch
-        while epoch <= after.time:
-            noise = look.noise.row()
-            if not self.silent_from <= epoch < self.silent_until:
-                share = (epoch - before.time) / (after.time - before.time)
-                first, second = self.truth(before), self.truth(after)
-                change = second - first
-                change[3:] = wrapped(change[3:])
-                exact = first + share * change + self.biases()
-                z = exact[:, None] + self.sigmas()[:, None] * noise
-                looks.append((epoch, epoch + self.latency, z, np.diag(self.sigmas() ** 2)))
-            epoch += self.period
-        return look._replace(epoch=epoch), looks
+    def begin(self, time: float, streams: Streams) -> Sampling:
+        """Ready for the first message, one period after ``time``."""
+        return Sampling(time + self.period, streams.normal("noise", 6))
+
+    def step(self, state: Sampling, before: AircraftState, after: AircraftState) -> tuple[Sampling, list[Look]]:
+        """Messages between two records, none while it is silent; the channels themselves are linear in between."""
+
+        def message(epoch: float) -> Look | None:
+            noise = state.noise.row()  # row k belongs to epoch k, sent or not
+            if self.silent_from <= epoch < self.silent_until:
+                return None
+            share = (epoch - before.time) / (after.time - before.time)
+            first, second = self.truth(before), self.truth(after)
+            change = second - first
+            change[3:] = wrapped(change[3:])
+            exact = first + share * change + self.biases()
+            z = exact[:, None] + self.sigmas()[:, None] * noise
+            return Look(epoch, epoch + self.latency, z, np.diag(self.sigmas() ** 2))
+
+        return looks_until(state, self.period, after.time, message)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
 from aircraft.state import AircraftState
-from sim.flight.interpolation import position_at
-from sim.observation.antenna import at_least_a_step, location, polar, positive, share
+from sim.flight.interpolation import state_at
+from sim.observation.antenna import FAR, at_least_a_step, location, place, polar, positive, sector, share
+from sim.observation.sensor import Look
 from sim.randomness import Rows, Streams
 from sim.scenario.tables import Runway
 from tracking.trackers.switching_noise import BeamNoise
 
 
-class Look(NamedTuple):
+class Receiver(NamedTuple):
     """What is carried from step to step."""
 
     epoch: float
@@ -66,6 +67,16 @@ class Mls:
         return (self.angle,)
 
     @property
+    def gives_place(self) -> bool:
+        """It does not say where the aircraft is on the ground plane."""
+        return False
+
+    @property
+    def clutter(self) -> float:
+        """It knows its target."""
+        return 0.0
+
+    @property
     def antenna(self) -> tuple[float, float, float]:
         """(north, east, height) of the antenna, m."""
         return location(self.runway, self.position)
@@ -75,16 +86,20 @@ class Mls:
         """Course of zero azimuth, rad clockwise from north."""
         return float(self.runway.heading + self.course)
 
-    def truth(self, position: Any) -> np.ndarray:
-        """Noise-free angle for (north, east, height), shape (3, ...) -> (1, ...)."""
-        _, azimuth, elevation = polar(position, self.antenna, self.zero_azimuth)
+    def outline(self) -> tuple[tuple[float, float], ...]:
+        """The sector, drawn to 20 NM: it is not cut off by distance."""
+        return sector(self.antenna, self.zero_azimuth, self.sector, FAR)
+
+    def truth(self, state: AircraftState) -> np.ndarray:
+        """Noise-free angle, shape (1, ...)."""
+        _, azimuth, elevation = polar(place(state), self.antenna, self.zero_azimuth)
         return np.stack((azimuth if self.angle == "azimuth" else elevation,))
 
-    def begin(self, time: float, streams: Streams) -> Look:
+    def begin(self, time: float, streams: Streams) -> Receiver:
         """Ready for the first sample, one period after ``time``; the chain starts in its stationary state."""
         luck = streams.uniform("anomaly", 2)
         first = luck.row()
-        return Look(
+        return Receiver(
             time + self.period,
             streams.normal("noise", 1),
             luck,
@@ -92,25 +107,23 @@ class Mls:
             np.where(first[1] < 0.5, -1.0, 1.0),
         )
 
-    def step(
-        self, look: Look, before: AircraftState, after: AircraftState
-    ) -> tuple[Look, list[tuple[float, float, np.ndarray, np.ndarray]]]:
-        """Samples between two records: (epoch, arrival, z (1, draws), R (1, 1)); none outside the sector."""
+    def step(self, state: Receiver, before: AircraftState, after: AircraftState) -> tuple[Receiver, list[Look]]:
+        """Samples between two records; none outside the sector."""
         looks = []
-        epoch, anomalous, sign = look.epoch, look.anomalous, look.sign
+        epoch, anomalous, sign = state.epoch, state.anomalous, state.sign
         while epoch <= after.time:
-            noise, luck = look.noise.row(), look.luck.row()
+            noise, luck = state.noise.row(), state.luck.row()
             was = anomalous
             anomalous = self._chain(anomalous, luck[0])
             sign = np.where(anomalous & ~was, np.where(luck[1] < 0.5, -1.0, 1.0), sign)
-            place = position_at(before, after, epoch)
-            distance, azimuth, _ = polar(place, self.antenna, self.zero_azimuth)
+            now = state_at(before, after, epoch)
+            distance, azimuth, _ = polar(place(now), self.antenna, self.zero_azimuth)
             if abs(azimuth) <= self.sector / 2:
                 variance = self.sigma**2 if self.beam is None else float(self.beam.variance(distance))
-                z = self._measured(self.truth(place)[:, None], math.sqrt(variance) * noise, anomalous, sign)
-                looks.append((epoch, epoch, z, np.array([[variance]])))
+                z = self._measured(self.truth(now)[:, None], math.sqrt(variance) * noise, anomalous, sign)
+                looks.append(Look(epoch, epoch, z, np.array([[variance]])))
             epoch += self.period
-        return look._replace(epoch=epoch, anomalous=anomalous, sign=sign), looks
+        return state._replace(epoch=epoch, anomalous=anomalous, sign=sign), looks
 
     def _chain(self, anomalous: np.ndarray, luck: np.ndarray) -> np.ndarray:
         """The accuracy of the next epoch."""
@@ -127,5 +140,5 @@ class Mls:
         if self.anomalies == "dropouts":
             return np.where(anomalous, np.nan, nominal)
         if self.anomalies == "bias_bursts":
-            return nominal + np.where(anomalous, sign * self.bias, 0.0)
-        return exact + np.where(anomalous, self.factor, 1.0) * noise
+            return np.asarray(nominal + np.where(anomalous, sign * self.bias, 0.0))
+        return np.asarray(exact + np.where(anomalous, self.factor, 1.0) * noise)

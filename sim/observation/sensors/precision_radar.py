@@ -10,8 +10,9 @@ import numpy as np
 from scipy.special import pdtr, pdtrik
 
 from aircraft.state import AircraftState
-from sim.flight.interpolation import position_at
-from sim.observation.antenna import at_least_a_step, location, polar, positive, share
+from sim.flight.interpolation import state_at
+from sim.observation.antenna import at_least_a_step, location, looks_until, place, polar, positive, sector, share
+from sim.observation.sensor import Look
 from sim.randomness import Rows, Streams
 from sim.scenario.tables import Runway
 
@@ -74,6 +75,11 @@ class PrecisionRadar:
         return ("range", "azimuth", "elevation")
 
     @property
+    def gives_place(self) -> bool:
+        """One plot is a place."""
+        return True
+
+    @property
     def antenna(self) -> tuple[float, float, float]:
         """(north, east, height) of the antenna, m."""
         return location(self.runway, self.position)
@@ -95,9 +101,13 @@ class PrecisionRadar:
         touchdown = np.maximum(slant - abs(self.position[0] - self.runway.aiming_point), 0.0)
         return np.stack((30.0 + 0.03 * touchdown, across / slant, height / slant)) / ANNEX_10_SIGMAS
 
-    def truth(self, position: Any) -> np.ndarray:
-        """Noise-free channels for (north, east, height), shape (3, ...) -> (3, ...)."""
-        return np.stack(polar(position, self.antenna, self.zero_azimuth))
+    def outline(self) -> tuple[tuple[float, float], ...]:
+        """The sector."""
+        return sector(self.antenna, self.zero_azimuth, self.sector, self.coverage)
+
+    def truth(self, state: AircraftState) -> np.ndarray:
+        """Noise-free channels, shape (3, ...)."""
+        return np.stack(polar(place(state), self.antenna, self.zero_azimuth))
 
     def clutter_density(self, slant: Any, azimuth: Any, elevation: Any) -> Any:
         """False plots per m2 of the ground plane at a place."""
@@ -119,27 +129,26 @@ class PrecisionRadar:
             clutter = streams.uniform("clutter", 1 + 3 * most)
         return Scan(time + self.period, streams.normal("noise", 3), streams.uniform("detection", 1), clutter)
 
-    def step(self, scan: Scan, before: AircraftState, after: AircraftState) -> tuple[Scan, list[tuple[Any, ...]]]:
-        """Looks between two records: (epoch, arrival, z (3, draws), R (3, 3, draws)); none outside the sector.
+    def step(self, state: Scan, before: AircraftState, after: AircraftState) -> tuple[Scan, list[Look]]:
+        """Looks between two records; none outside the sector.
 
-        With clutter a look has a fifth element, the plots (c, 3, draws) among which z is the first, NaN = none. They
-        share R, the accuracy at the target's own plot.
+        With clutter the candidates are (c, 3, draws), NaN = none. They share R, the accuracy at the target's own plot.
         """
-        looks: list[tuple[Any, ...]] = []
-        epoch = scan.epoch
-        while epoch <= after.time:
-            noise, luck = scan.noise.row(), scan.detection.row()[0]  # row k belongs to epoch k, seen or not
-            false = None if scan.clutter is None else scan.clutter.row()
-            exact = self.truth(position_at(before, after, epoch))
-            if abs(exact[1]) <= self.sector / 2 and exact[0] <= self.coverage:
-                z = exact[:, None] + self.sigmas(*exact)[:, None] * noise
-                # the accuracy that the radar states is that at the place that it measured
-                R = np.einsum("ij,in->ijn", np.eye(3), self.sigmas(*z) ** 2)
-                z = np.where(luck < self.detection, z, np.nan)
-                plots = () if false is None else (np.concatenate((z[None], self._false_plots(exact, false))),)
-                looks.append((epoch, epoch, z, R, *plots))
-            epoch += self.period
-        return Scan(epoch, scan.noise, scan.detection, scan.clutter), looks
+
+        def look(epoch: float) -> Look | None:
+            noise, luck = state.noise.row(), state.detection.row()[0]  # row k belongs to epoch k, seen or not
+            false = None if state.clutter is None else state.clutter.row()
+            exact = self.truth(state_at(before, after, epoch))
+            if abs(exact[1]) > self.sector / 2 or exact[0] > self.coverage:
+                return None
+            z = exact[:, None] + self.sigmas(*exact)[:, None] * noise
+            # the accuracy that the radar states is that at the place that it measured
+            R = np.einsum("ij,in->ijn", np.eye(3), self.sigmas(*z) ** 2)
+            z = np.where(luck < self.detection, z, np.nan)
+            plots = None if false is None else np.concatenate((z[None], self._false_plots(exact, false)))
+            return Look(epoch, epoch, z, R, plots)
+
+        return looks_until(state, self.period, after.time, look)
 
     def _false_plots(self, exact: np.ndarray, uniform: np.ndarray) -> np.ndarray:
         """False plots (c, 3, draws) about a place (3,) from uniform numbers (1 + 3 c, draws); NaN beyond their count.

@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated
 
 import numpy as np
 
 from aircraft.state import AircraftState
-from sim.flight.interpolation import position_at
-from sim.observation.antenna import at_least_a_step, positive
-from sim.randomness import Rows, Streams
+from sim.flight.interpolation import state_at
+from sim.observation.antenna import Sampling, at_least_a_step, looks_until, positive
+from sim.observation.sensor import Look
+from sim.randomness import Streams
 from sim.scenario.tables import Runway
-
-
-class Look(NamedTuple):
-    """What is carried from step to step."""
-
-    epoch: float
-    noise: Rows
 
 
 @dataclass(frozen=True)
@@ -39,24 +33,45 @@ class RadioAltimeter:
         """What is measured."""
         return ("height",)
 
-    def truth(self, position: Any) -> np.ndarray:
-        """Noise-free channels for (north, east, height), shape (3, ...) -> (1, ...)."""
-        return np.stack((np.asarray(position[2]),))
+    @property
+    def gives_place(self) -> bool:
+        """It does not say where the aircraft is on the ground plane."""
+        return False
 
-    def begin(self, time: float, streams: Streams) -> Look:
+    @property
+    def clutter(self) -> float:
+        """It knows its target."""
+        return 0.0
+
+    @property
+    def antenna(self) -> None:
+        """It is in the aircraft."""
+        return
+
+    @property
+    def zero_azimuth(self) -> None:
+        """It measures none."""
+        return
+
+    def truth(self, state: AircraftState) -> np.ndarray:
+        """Noise-free channels, shape (1, ...)."""
+        return np.stack((np.asarray(state.height),))
+
+    def outline(self) -> tuple[()]:
+        """It has no limits on the ground."""
+        return ()
+
+    def begin(self, time: float, streams: Streams) -> Sampling:
         """Ready for the first reading, one period after ``time``."""
-        return Look(time + self.period, streams.normal("noise", 1))
+        return Sampling(time + self.period, streams.normal("noise", 1))
 
-    def step(
-        self, look: Look, before: AircraftState, after: AircraftState
-    ) -> tuple[Look, list[tuple[float, float, np.ndarray, np.ndarray]]]:
-        """Readings between two records: (epoch, arrival, z (1, draws), R (1, 1))."""
-        looks = []
-        epoch = look.epoch
-        while epoch <= after.time:
-            noise = look.noise.row()
-            exact = self.truth(position_at(before, after, epoch))
-            if exact[0] <= self.coverage:
-                looks.append((epoch, epoch, exact[:, None] + self.sigma * noise, np.array([[self.sigma**2]])))
-            epoch += self.period
-        return look._replace(epoch=epoch), looks
+    def step(self, state: Sampling, before: AircraftState, after: AircraftState) -> tuple[Sampling, list[Look]]:
+        """Readings between two records; none above ``coverage``."""
+        R = np.array([[self.sigma**2]])
+
+        def reading(epoch: float) -> Look | None:
+            noise = state.noise.row()  # row k belongs to epoch k, seen or not
+            exact = self.truth(state_at(before, after, epoch))
+            return Look(epoch, epoch, exact[:, None] + self.sigma * noise, R) if exact[0] <= self.coverage else None
+
+        return looks_until(state, self.period, after.time, reading)

@@ -4,22 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated
 
 import numpy as np
 
 from aircraft.state import AircraftState
-from sim.flight.interpolation import position_at
-from sim.observation.antenna import at_least_a_step, location, polar, positive
-from sim.randomness import Rows, Streams
+from sim.flight.interpolation import state_at
+from sim.observation.antenna import Sampling, at_least_a_step, location, looks_until, place, polar, positive
+from sim.observation.sensor import Look
+from sim.randomness import Streams
 from sim.scenario.tables import Runway
-
-
-class Scan(NamedTuple):
-    """What the radar carries from step to step."""
-
-    epoch: float  # s, next look at the target
-    noise: Rows
 
 
 @dataclass(frozen=True)
@@ -44,6 +38,16 @@ class SurveillanceRadar:
         return ("range", "azimuth") if self.position_sigma is None else ("north", "east")
 
     @property
+    def gives_place(self) -> bool:
+        """One scan is a place."""
+        return True
+
+    @property
+    def clutter(self) -> float:
+        """It knows its target."""
+        return 0.0
+
+    @property
     def antenna(self) -> tuple[float, float, float]:
         """(north, east, height) of the antenna, m."""
         return location(self.runway, self.position)
@@ -59,26 +63,28 @@ class SurveillanceRadar:
             return np.diag((self.position_sigma**2, self.position_sigma**2))
         return np.diag((self.range_sigma**2, self.azimuth_sigma**2))
 
-    def truth(self, position: Any) -> np.ndarray:
-        """Noise-free channels for (north, east, height), shape (3, ...) -> (2, ...)."""
+    def truth(self, state: AircraftState) -> np.ndarray:
+        """Noise-free channels, shape (2, ...)."""
         if self.position_sigma is not None:
-            return np.asarray(position)[:2]
-        slant, azimuth, _ = polar(position, self.antenna, self.zero_azimuth)
+            return np.stack((state.north, state.east))
+        slant, azimuth, _ = polar(place(state), self.antenna, self.zero_azimuth)
         return np.stack((slant, azimuth))
 
-    def begin(self, time: float, streams: Streams) -> Scan:
-        """Ready for the first look, one period after ``time``."""
-        return Scan(time + self.period, streams.normal("noise", 2))
+    def outline(self) -> tuple[()]:
+        """It sees all round, as far as there is something to see."""
+        return ()
 
-    def step(
-        self, scan: Scan, before: AircraftState, after: AircraftState
-    ) -> tuple[Scan, list[tuple[float, float, np.ndarray, np.ndarray]]]:
-        """Looks that fall between two records: (epoch, arrival, z (2, draws), R (2, 2)) each."""
-        looks = []
-        epoch = scan.epoch
-        while epoch <= after.time:
-            R = self.covariance()
-            z = self.truth(position_at(before, after, epoch))[:, None] + np.sqrt(np.diag(R))[:, None] * scan.noise.row()
-            looks.append((epoch, epoch, z, R))
-            epoch += self.period
-        return Scan(epoch, scan.noise), looks
+    def begin(self, time: float, streams: Streams) -> Sampling:
+        """Ready for the first look, one period after ``time``."""
+        return Sampling(time + self.period, streams.normal("noise", 2))
+
+    def step(self, state: Sampling, before: AircraftState, after: AircraftState) -> tuple[Sampling, list[Look]]:
+        """Looks that fall between two records."""
+        R = self.covariance()
+        sigma = np.sqrt(np.diag(R))[:, None]
+
+        def scan(epoch: float) -> Look:
+            exact = self.truth(state_at(before, after, epoch))
+            return Look(epoch, epoch, exact[:, None] + sigma * state.noise.row(), R)
+
+        return looks_until(state, self.period, after.time, scan)

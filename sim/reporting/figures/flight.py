@@ -27,9 +27,9 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
     with style.drawing(), np.errstate(invalid="ignore"):
         add(
             "Plan view",
-            plan_view(flight, scenario.runway, scenario.wind.steady, scenario.wind.events),
+            plan_view(flight, scenario.runway, scenario.wind.steady, scenario.wind.events, scenario.sensors),
             "Equal scales; turned so that the final course runs to the right, north as the arrow shows. The runway's "
-            "length is drawn, not modelled.",
+            "length is drawn, not modelled. Dotted: what a sensor covers; a cross is its antenna.",
         )
         add("Vertical profile", vertical_profile(flight, scenario.runway), "Heights are exaggerated against distances.")
         touchdown = touchdown_view(flight, scenario.runway)

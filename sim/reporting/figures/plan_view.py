@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -22,11 +22,16 @@ ARROWS = 62.0  # points between the north arrow and the wind arrow
 
 
 def plan_view(
-    flight: Flight, runway: Runway, wind: tuple[float, float], events: Mapping[str, Any] | None = None
+    flight: Flight,
+    runway: Runway,
+    wind: tuple[float, float],
+    events: Mapping[str, Any] | None = None,
+    sensors: Mapping[str, Any] | None = None,
 ) -> Any:
     """Figure with equal axes, in km from the threshold along and to the right of the final course.
 
-    ``wind`` is the steady one, the way the air moves, m/s (north, east); ``events`` are drawn by their outlines.
+    ``wind`` is the steady one, the way the air moves, m/s (north, east); ``events`` and ``sensors`` are drawn by their
+    outlines.
     """
     course = flight.route.legs[-1].course
     c, s = math.cos(course), math.sin(course)
@@ -62,6 +67,8 @@ def plan_view(
         edge = event.outline()
         if edge:
             _area(axes, name, *turned(*np.array(edge).T))
+    for name, sensor in (sensors or {}).items():
+        _sensor(axes, name, sensor, turned)
     by_phase(axes, flight, x, y)
     switched = np.flatnonzero(np.diff(flight.leg)) + 1
     if switched.size:
@@ -89,6 +96,23 @@ def _area(axes: Any, name: str, x: np.ndarray, y: np.ndarray) -> None:
     axes.fill(x, y, color=style.SKY, alpha=0.25, linewidth=0)
     middle = (x.min() + x.max()) / 2
     axes.annotate(name, (middle, y.min()), ha="center", va="bottom", fontsize=6.5, color=style.BLUE, clip_on=True)
+
+
+def _sensor(axes: Any, name: str, sensor: Any, turned: Callable[[Any, Any], tuple[Any, Any]]) -> None:
+    """The edge of what a sensor covers, and its antenna, named; what lies outside the frame is cut off."""
+    edge = sensor.outline()
+    if edge:
+        x, y = turned(*np.array((*edge, edge[0])).T)
+        axes.plot(x, y, color=style.GREY, linewidth=0.7, dashes=(1, 1.5), zorder=1.3)
+    if sensor.antenna is not None:
+        x, y = turned(*sensor.antenna[:2])
+        axes.plot([x], [y], "x", color=style.GREY, markersize=4, zorder=3)
+        left, right = axes.get_xlim()
+        side, away = ("left", 3) if x < right - 0.15 * (right - left) else ("right", -3)
+        axes.annotate(
+            words(name), (x, y), xytext=(away, 3), textcoords="offset points", fontsize=6.5, color=style.GREY,
+            annotation_clip=True, ha=side,
+        )  # fmt: skip
 
 
 def extent(xs: tuple[Any, ...], ys: tuple[Any, ...]) -> tuple[float, float, float, float]:

@@ -155,22 +155,28 @@ def panels(
     return figure, axes
 
 
-def grid(rows: int, columns: int, height: float, top: float = TOP) -> tuple[Figure, list[Axes]]:
-    """A figure of small axes of one height (in) in rows and columns, all on the scales of the first."""
+def grid(
+    rows: int, columns: int, height: float, top: float = TOP, own_scales: bool = False
+) -> tuple[Figure, list[Axes]]:
+    """A figure of small axes of one height (in) in rows and columns, all on the scales of the first.
+
+    With ``own_scales`` only the time is shared, and each has room for the numbers at its left.
+    """
     from matplotlib.figure import Figure
 
     row = height + 0.22  # room for a title
     total = top + rows * row + BOTTOM
     figure = Figure((WIDTH, total))
     axes: list[Axes] = []
-    width = (WIDTH - LEFT - RIGHT - GAP * (columns - 1)) / columns
+    gap = LEFT - RIGHT if own_scales else GAP
+    width = (WIDTH - LEFT - RIGHT - gap * (columns - 1)) / columns
     for place in range(rows * columns):
         down, across = divmod(place, columns)
-        left, bottom = LEFT + across * (width + GAP), total - top - (down + 1) * row
+        left, bottom = LEFT + across * (width + gap), total - top - (down + 1) * row
         box = (left / WIDTH, bottom / total, width / WIDTH, height / total)
         first = axes[0] if axes else None
-        axes.append(figure.add_axes(box, sharex=first, sharey=first))
-        axes[-1].tick_params(labelleft=across == 0, labelbottom=down == rows - 1)
+        axes.append(figure.add_axes(box, sharex=first, sharey=None if own_scales else first))
+        axes[-1].tick_params(labelleft=own_scales or across == 0, labelbottom=down == rows - 1)
         axes[-1].yaxis.set_label_coords(-0.56 / width, 0.5)
         axes[-1].xaxis.set_label_coords(0.5, -0.28 / height)
     return figure, axes

@@ -31,7 +31,7 @@ def _sensor(flight: Flight, name: str, sensor: Any, record: SensorRecord) -> str
     end = float(flight.time[-1])
     if record.arrival.min() > end:
         return f"sensor '{name}' tells what it saw only after the flight of {end:.0f} s is over: its latency is longer"
-    if record.channels[:2] != ("range", "azimuth"):
+    if sensor.antenna is None or "azimuth" not in record.channels:
         return None
     state = flight.state
     antenna = np.array(sensor.antenna)[:, None]

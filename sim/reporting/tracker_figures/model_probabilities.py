@@ -82,7 +82,7 @@ def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any], modes:
         sensor = scenario.sensors[sensor_name]
         order = np.argsort(record.arrival, kind="stable")
         time = record.time[order]
-        exact = sensor.truth(truth_at(flight, time).position)[sensor.channels.index(channel)]
+        exact = sensor.truth(truth_at(flight, time).state)[sensor.channels.index(channel)]
         error = np.degrees(record.z[order, row, 0] - exact)
         sigma = np.degrees(np.sqrt(np.reshape(record.R[order, row, row], (len(time), -1))[:, 0]))
         worse = 1.0 - weights[:, 0, 0]

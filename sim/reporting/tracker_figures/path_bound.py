@@ -10,6 +10,7 @@ from sim.estimation.prior import PRIOR_POSITION, PRIOR_RATE
 from sim.flight.interpolation import truth_at
 from sim.flight.record import Flight
 
+PLACES = (("north", "east"), ("range", "azimuth"))
 MOST = 1500  # epochs; of more, every n-th counts n times
 
 
@@ -35,12 +36,12 @@ def path_bound(flight: Flight, sensors: dict[str, Any], records: dict[str, Any])
     stamps, informations = [], []
     for name, record in records.items():
         sensor = sensors[name]
-        place = "north" in record.channels or {"range", "azimuth"} <= {*record.channels}
-        if not len(record.time) or not place:
+        if not len(record.time) or not sensor.gives_place:
             continue
+        rows = [record.channels.index(one) for one in PLACES[0 if "north" in record.channels else 1]]
         thin = max(1, -(-len(record.time) // MOST))
-        time, z, R = record.time[::thin], record.z[::thin], record.R[::thin]
-        R = R[:, :2, :2] if R.ndim == 3 else R[:, :2, :2].mean(axis=-1)
+        time, z, R = record.time[::thin], record.z[::thin], record.R[::thin][:, rows][:, :, rows]
+        R = R if R.ndim == 3 else R.mean(axis=-1)
         H = np.zeros((2, 4, len(time)))
         if "north" in record.channels:
             H[0, 0], H[1, 2] = 1.0, 1.0

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
+from sim.observation.antenna import inside
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import phase_strip
 from sim.reporting.figures.histories import STRIP, TIME
@@ -198,7 +199,8 @@ def containment(flight: Flight, scenario: Any, followed: list[Shown]) -> tuple[A
 
     Also a sentence on who keeps it how often; None without such a radar or without a place.
     """
-    radar = next((it for it in scenario.sensors.values() if hasattr(it, "sector") and "range" in it.channels), None)
+    precise = (it for it in scenario.sensors.values() if {"range", "azimuth", "elevation"} <= {*it.channels})
+    radar = next((it for it in precise if it.outline()), None)
     shown = [one for one in followed if "cross_track_m" in one.curves.channels]
     if radar is None or not shown:
         return None
@@ -206,22 +208,21 @@ def containment(flight: Flight, scenario: Any, followed: list[Shown]) -> tuple[A
 
     figure, (strip, axes) = style.panels(STRIP, 2.1, top=LEGEND)
     phase_strip(strip, flight)
-    shares, seen = [], np.zeros(len(flight.time), bool)
-    slant, azimuth, _ = radar.truth(np.array((flight.state.north, flight.state.east, flight.state.height)))
-    seen = (np.abs(azimuth) <= radar.sector / 2) & (slant <= radar.coverage)
+    shares, covered = [], radar.outline()
+    seen = inside(covered, flight.state.north, flight.state.east)
     if not seen.any():
         return None
-    norm = np.where(seen, azimuth_norm(slant), np.nan)
+    norm = np.where(seen, azimuth_norm(_slant(radar, flight.state)), np.nan)
     chosen = peaks(norm, BINS)
     axes.fill_between(flight.time[chosen], norm[chosen], 1e-3, color=style.SHADE, linewidth=0, label="within the norm")
     axes.plot(flight.time[chosen], norm[chosen], color=style.BLACK, linewidth=1.2, label="norm")
     for one in shown:
-        slant, azimuth, _ = radar.truth(truth_at(flight, one.curves.time).position)
-        inside = (np.abs(azimuth) <= radar.sector / 2) & (slant <= radar.coverage)
-        p95 = np.where(inside, one.curves.channels["cross_track_m"].p95, np.nan)
+        state = truth_at(flight, one.curves.time).state
+        within = inside(covered, state.north, state.east)
+        p95 = np.where(within, one.curves.channels["cross_track_m"].p95, np.nan)
         thinned(axes, one.curves.time, p95, label=words(one.name), linewidth=1.0, **one.look)
-        if inside.any():
-            kept = float(np.mean(p95[inside] <= azimuth_norm(slant[inside])))
+        if within.any():
+            kept = float(np.mean(p95[within] <= azimuth_norm(_slant(radar, state)[within])))
             shares.append((kept, f"{words(one.name)} {100 * kept:.0f} %"))
     logarithmic(axes)
     first, last = flight.time[np.flatnonzero(seen)[[0, -1]]]
@@ -231,6 +232,10 @@ def containment(flight: Flight, scenario: Any, followed: list[Shown]) -> tuple[A
     legend(figure, axes, followed)
     shares.sort(key=lambda share: -share[0])
     return figure, "; ".join(text for _, text in shares)
+
+
+def _slant(radar: Any, state: Any) -> np.ndarray:
+    return np.asarray(radar.truth(state)[radar.channels.index("range")])
 
 
 def azimuth_norm(distance: Any) -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import sim
+from aircraft.state import AircraftState
 from sim.errors import ScenarioError
 from sim.estimation.navigator import navigator
 from sim.estimation.setup import build, check
@@ -43,7 +44,7 @@ def final(make_flight):
 
 def truth(sensor, flight, time):
     s = flight.state
-    return sensor.truth(np.array([np.interp(time, s.time, one) for one in (s.north, s.east, s.height)]))
+    return sensor.truth(AircraftState(*(np.interp(time, s.time, column) for column in s)))
 
 
 # ---- the radar ---------------------------------------------------------------------------------------------------

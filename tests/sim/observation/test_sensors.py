@@ -10,10 +10,12 @@ import pytest
 from scipy import stats
 
 from aircraft.state import AircraftState
-from sim.observation.antenna import polar, wrapped
+from sim.observation.antenna import inside, polar, wrapped
 from sim.observation.record import measurements, observe
+from sim.observation.sensor import broken_promises, quantity_of
 from sim.randomness import Streams
 from sim.scenario import catalogue
+from sim.scenario.parameters import construct
 from sim.scenario.tables import Runway
 from tracking.trackers.switching_noise import BeamNoise
 
@@ -21,6 +23,7 @@ RUNWAY = Runway(heading=math.radians(80.0))
 KINDS = catalogue.kinds("sensors")
 VARIANTS = {
     "surveillance_radar": [{}, {"position_sigma": 100.0, "period": 0.31}],
+    "localiser": [{}, {"course_offset": math.radians(6.0), "position": (2600.0, 300.0, 3.0)}],
     "precision_radar": [{}, {"accuracy": "constant", "period": 1 / 3, "detection": 0.9}],
     "mls": [
         {},
@@ -62,8 +65,13 @@ def glide(make_flight):
 def truth_at(sensor, flight, time):
     s = flight.state
     state = AircraftState(*(np.interp(time, s.time, column) for column in s))
-    place = np.array((state.north, state.east, state.height))
-    return sensor.truth(state if "load_factor_up" in sensor.channels else place)
+    return sensor.truth(state)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_sensor_of_the_folder_keeps_its_contract(kind):
+    cls = catalogue.load("sensors", kind)
+    assert broken_promises(cls, lambda: construct(cls, getattr(cls, "example", {}), runway=Runway())) == []
 
 
 @pytest.mark.parametrize(("kind", "variant"), CASES)
@@ -71,7 +79,7 @@ def test_noise_passes_a_chi_square_against_the_stated_covariance(kind, variant, 
     sensor = build(kind, variant)
     record = observe(glide, {"x": sensor}, seed=5, draws=40)["x"]
     error = record.z - truth_at(sensor, glide, record.time).T[:, :, None]
-    angles = [i for i, name in enumerate(sensor.channels) if name in ("azimuth", "elevation", "air_course")]
+    angles = [i for i, name in enumerate(sensor.channels) if quantity_of(name).wraps]
     error[:, angles] = wrapped(error[:, angles])
     R = record.R if record.R.ndim == 4 else record.R[..., None]
     squares = np.einsum("kdn,kdn->kn", error, error / np.einsum("kddn->kdn", R))
@@ -104,7 +112,7 @@ def test_steps_of_the_record_and_of_every_third_record_see_the_same_noise(kind, 
         for before, after in pairwise(rows):
             state, looks = sensor.step(state, before, after)
             seen += looks
-        noises.append(np.array([look[2] for look in seen]))
+        noises.append(np.array([look.z for look in seen]))
     count = min(map(len, noises))
     # the motion is straight and uniform, so interpolation over three records is exact but for rounding
     np.testing.assert_allclose(noises[0][:count], noises[1][:count], rtol=0, atol=1e-6)
@@ -134,6 +142,48 @@ def test_a_sector_sees_no_downwind(make_flight):
     narrow, all_round = (build("precision_radar", {"sector": math.radians(width)}) for width in (20.0, 360.0))
     assert len(observe(flight, {"x": narrow}, 1)["x"].time) == 0
     assert len(observe(flight, {"x": all_round}, 1)["x"].time) > 80
+
+
+def test_a_localiser_s_course_line_is_offset_clockwise_and_its_error_is_the_bias(glide):
+    aligned, offset = (build("localiser", {"course_offset": math.radians(turn)}) for turn in (0.0, 5.0))
+    antenna = np.array(aligned.antenna)
+    for sensor, course in ((aligned, RUNWAY.heading), (offset, RUNWAY.heading + math.radians(5.0))):
+        before = antenna - 9000.0 * np.array((math.cos(course), math.sin(course), 0.0))  # inbound on the course line
+        assert sensor.truth(on(*before)) == pytest.approx([0.0], abs=1e-12)
+    biased = build("localiser", {"bias": math.radians(0.5)})
+    plain, wrong = (observe(glide, {"x": sensor}, seed=5)["x"].z for sensor in (aligned, biased))
+    np.testing.assert_allclose(wrong - plain, math.radians(0.5))
+
+
+def test_a_localiser_is_silent_outside_its_sector(make_flight):
+    time = np.arange(0.0, 10.0, 1 / 30)
+    for right, seen in ((4000.0, True), (6000.0, False)):  # 5 km beyond the antenna's 2800 m: 35 deg is 5460 m beside
+        north, east = RUNWAY.to_local(np.full(len(time), -5000.0), np.full(len(time), right))
+        flight = make_flight(time, ["final"] * len(time), north=north, east=east)
+        assert (len(observe(flight, {"x": build("localiser", {})}, 1)["x"].time) > 0) == seen
+
+
+def on(north, east, height):
+    """A state at a place, at rest."""
+    return AircraftState(*[0.0] * len(AircraftState._fields))._replace(north=north, east=east, height=height)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_sensor_sees_beyond_its_outline(kind, make_flight):
+    """All round it at 12 km: looks lie inside, and where there is an outline, not everything is."""
+    sensor = build(kind, {})
+    time = np.arange(0.0, 90.0, 1 / 10)
+    turn = 2 * math.pi * time / 90.0
+    north, east = 12_000.0 * np.cos(turn), 12_000.0 * np.sin(turn)
+    velocity = {"velocity_north": -838.0 * np.sin(turn), "velocity_east": 838.0 * np.cos(turn)}
+    flight = make_flight(time, ["final"] * len(time), north=north, east=east, height=400.0 + 0 * time, **velocity)
+    record = observe(flight, {"x": sensor}, seed=2)["x"]
+    place = np.interp(record.time, time, north), np.interp(record.time, time, east)
+    # the angle subtended by the chord of the arc of an outline's edge is under 0.02 deg
+    share = inside(sensor.outline(), *place).mean() if len(record.time) else 1.0
+    assert share > 0.99
+    if sensor.outline():
+        assert 0.0 < inside(sensor.outline(), north, east).mean() < 0.5
 
 
 @pytest.mark.parametrize("anomalies", ["iid", "bursts", "bias_bursts", "dropouts"])
@@ -176,6 +226,8 @@ def test_two_sensors_are_merged_in_order_of_arrival(glide):
         ("downlink", {"latency": -1.0}, "latency must not be negative"),
         ("dme", {"period": 0.001}, "at least 1/120 s"),
         ("radio_altimeter", {"sigma": 0.0}, "sigma must be above 0"),
+        ("localiser", {"course_offset": 1.0}, "course_offset must lie within 45 degrees"),
+        ("localiser", {"bias": 0.1}, "bias must lie within 5 degrees"),
     ],
 )
 def test_bad_parameters_are_told(kind, variant, said):

@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from aircraft.state import AircraftState
 from sim.estimation.tracking_run import Tracked
 from sim.metrics.checks import evaluate_checks
 from sim.metrics.error_curves import FEW_WINDOWS, error_curves, windows
@@ -18,6 +19,7 @@ from sim.metrics.flight import flight_metrics
 from sim.metrics.tracker import plot_errors, tracker_errors
 from sim.observation.record import SensorRecord
 from sim.observation.sensors.precision_radar import PrecisionRadar
+from sim.observation.sensors.surveillance_radar import SurveillanceRadar
 from sim.reporting.figures import style
 from sim.reporting.replay import ellipse
 from sim.reporting.run_page import write
@@ -60,6 +62,12 @@ def flight(make_flight):
     return make_flight(time, np.where(time < 30, "final", "glide"), north=north, height=300.0 + 0 * time)
 
 
+def at(north, east):
+    """The state of an aircraft at 300 m; nothing else of it is asked."""
+    still = AircraftState(*np.zeros((len(AircraftState._fields), len(north))))
+    return still._replace(north=north, east=np.full(len(north), east), height=np.full(len(north), 300.0))
+
+
 def followed_by(flight, errors, law_from=None, sigma=10.0, seen=None, probabilities=None, epochs=40):
     """A track whose errors (2, draws) or (k, 2, draws), north and east, are given, with plots 50 m to the right."""
     errors = np.asarray(errors, float)
@@ -77,8 +85,7 @@ def followed_by(flight, errors, law_from=None, sigma=10.0, seen=None, probabilit
     z = np.full((epochs, 3, draws), np.nan)
     seen = np.ones(epochs, bool) if seen is None else seen
     radar = scenario().sensors["radar"]
-    place = np.array((-12000.0 + 70.0 * time, np.full(epochs, 50.0), np.full(epochs, 300.0)))
-    z[seen] = radar.truth(place).T[seen][:, :, None]
+    z[seen] = radar.truth(at(-12000.0 + 70.0 * time, 50.0)).T[seen][:, :, None]
     names = tuple(f"radar.{channel}" for channel in radar.channels)
     measured = Measurements(names, time, time, z, np.broadcast_to(np.eye(3)[..., None], (epochs, 3, 3, 1)))
     return judged(flight, {"radar": radar}, track, measured, law_from)
@@ -187,7 +194,7 @@ def test_the_bound_is_that_of_one_least_squares_fit(flight):
     time = np.arange(1.0, 20.0, 4.0)
     z = np.zeros((len(time), 2, 3))
     R = np.broadcast_to(np.diag((40.0, 30.0)) ** 2, (len(time), 2, 2))
-    sensor = type("Plots", (), {"channels": ("north", "east")})
+    sensor = SurveillanceRadar(position_sigma=40.0)
     bound = path_bound(flight, {"radar": sensor}, {"radar": SensorRecord(("north", "east"), time, time, z, R)})
     since = time - time[0]
     for sigma, row in ((40.0, 0), (30.0, 1)):
@@ -369,8 +376,7 @@ def test_the_strip_shows_which_samples_were_taken_for_anomalous(flight):
     given = read({**given.tables, "trackers": {"two": {"kind": "switching_noise", "sensors": ["mls"]}}})
     time = np.linspace(1.0, 59.0, 40)
     sensor = given.sensors["mls"]
-    truth = np.array((-12000.0 + 70.0 * time, 0 * time, 300.0 + 0 * time))
-    exact = sensor.truth(truth)[sensor.channels.index("elevation")]
+    exact = sensor.truth(at(-12000.0 + 70.0 * time, 0.0))[sensor.channels.index("elevation")]
     odd = np.arange(40) % 4 == 0
     z = (exact + np.where(odd, np.radians(1.0), np.radians(0.01)))[:, None, None]
     R = np.full((40, 1, 1, 1), np.radians(0.06) ** 2)

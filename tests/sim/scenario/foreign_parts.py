@@ -9,7 +9,8 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from sim.flight.interpolation import position_at
+from sim.flight.interpolation import state_at
+from sim.observation.sensor import Look
 from sim.scenario.tables import Runway
 from tracking.measurement import MeasurementModel
 from tracking.motion import ConstantVelocity
@@ -31,15 +32,23 @@ class Beacon:
     sigma: Annotated[float, "m"] = 20.0
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
-    channels = ("north", "east")
+    channels: ClassVar[tuple[str, ...]] = ("north", "east")
+    gives_place: ClassVar[bool] = True
+    clutter: ClassVar[float] = 0.0
+    antenna: ClassVar[None] = None  # it stands nowhere
+    zero_azimuth: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         if not self.sigma > 0.0:
             raise ValueError("sigma must be above 0")
 
-    def truth(self, position: Any) -> np.ndarray:
-        """(north, east) of (north, east, height), m."""
-        return np.asarray(position)[:2]
+    def truth(self, state: Any) -> np.ndarray:
+        """(north, east), m."""
+        return np.stack((state.north, state.east))
+
+    def outline(self) -> tuple[Any, ...]:
+        """Nothing that could be drawn."""
+        return ()
 
     def begin(self, time: float, streams: Any) -> Ping:
         """Ready for the first ping."""
@@ -49,8 +58,8 @@ class Beacon:
         """Pings between two records."""
         looks, epoch = [], ping.epoch
         while epoch <= after.time:
-            z = self.truth(position_at(before, after, epoch))[:, None] + self.sigma * ping.noise.row()
-            looks.append((epoch, epoch, z, self.sigma**2 * np.eye(2)))
+            z = self.truth(state_at(before, after, epoch))[:, None] + self.sigma * ping.noise.row()
+            looks.append(Look(epoch, epoch, z, self.sigma**2 * np.eye(2)))
             epoch += self.period
         return ping._replace(epoch=epoch), looks
 
