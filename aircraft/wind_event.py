@@ -13,8 +13,10 @@ scenario would write, without ``kind``; its contract is tried with that.
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 import math
+import typing
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -27,7 +29,11 @@ TIMES = (*(float(time) for time in range(0, 301, 20)), 3600.0)  # s
 
 
 class WindEvent(Protocol):
-    """A movement of the air that comes at a time, or lies at a place; two made of the same values are equal."""
+    """A movement of the air that comes at a time, or lies at a place; two made of the same values are equal.
+
+    A class must have ``velocity``. What else it leaves out is as `DEFAULTS` says: its parameters for words, no outline,
+    and nothing that stands.
+    """
 
     def velocity(self, time: float, position: tuple[float, float, float], airspeed: float) -> Velocity:
         """The wind (north, east, up) in m/s at a time, s, and a position (north, east, height), m.
@@ -57,7 +63,22 @@ class WindEvent(Protocol):
         ...
 
 
-MEMBERS = tuple(name for name in vars(WindEvent) if not name.startswith("_"))
+def _words(event: Any) -> str:
+    """Its parameters that are set, in SI."""
+    hints, parts = typing.get_type_hints(type(event), include_extras=True), []
+    for field in dataclasses.fields(event):
+        value, notes = getattr(event, field.name), getattr(hints[field.name], "__metadata__", ("",))
+        if isinstance(value, int | float):
+            parts.append(f"{field.name.rstrip('_')} {value:g} {notes[0]}".rstrip())
+    return ", ".join(parts) or "no parameters"
+
+
+DEFAULTS: dict[str, Any] = {  # members that a class may leave out, and what they then are
+    "words": _words,
+    "outline": lambda event: (),
+    "standing": lambda event: None,
+}
+MEMBERS = ("velocity",)  # that a class must have
 
 
 def circle(north: float, east: float, radius: float, points: int = 72) -> Outline:

@@ -14,7 +14,8 @@ import numpy as np
 from scipy.linalg import expm, solve_continuous_are
 
 from aircraft.state import STANDARD_GRAVITY
-from autopilot.modes.lateral_navigation import RATE_MARGIN, LateralNavigation
+from autopilot.mode import RATE_MARGIN
+from autopilot.modes.lateral_navigation import LateralNavigation
 
 # Bryson weights: the deviation that is as bad as every other one in the list
 AIRSPEED, ANGLE_OF_ATTACK, PITCH_RATE, PITCH, HEIGHT = 2.0, math.radians(8), math.radians(5), math.radians(5), 4.0

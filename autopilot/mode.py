@@ -18,6 +18,8 @@ import numpy as np
 from autopilot.route import ArrayDeviation, PathDeviation
 from autopilot.saturation import saturate
 
+RATE_MARGIN = 1.1  # of the limit of the cross-track rate over what the turn between two legs needs
+
 
 class DesignCase(NamedTuple):
     """What a law is designed for: the aircraft by its bank loop, the route by its speed, and the bank that is allowed.
@@ -33,6 +35,11 @@ class DesignCase(NamedTuple):
     k2: float  # rad/(m/s), bank per cross-track rate
     cross_track_limit: float  # m, beyond which the cross-track counts no more: intercepts at 30 degrees
 
+    @property
+    def cross_track_rate_limit(self) -> float:
+        """m/s, beyond which the rate counts no more: it leaves the whole bank to the turn between two legs."""
+        return RATE_MARGIN * (self.k1 * self.cross_track_limit + self.bank_limit) / self.k2
+
 
 class LimitedInput(NamedTuple):
     """One deviation that a law looks at: what it does with it, and from where on it counts no more."""
@@ -44,7 +51,12 @@ class LimitedInput(NamedTuple):
 
 
 class Mode(Protocol):
-    """A control law of the autopilot. `broken_promises` tries whether a class is one."""
+    """A control law of the autopilot. `broken_promises` tries whether a class is one.
+
+    A class must have ``bank_limit`` and ``__call__``. What else it leaves out is as `DEFAULTS` says: a law of its own,
+    not standard, without limits that could be drawn or identified, built field by field from what the file sets, from
+    what `DesignCase` has under the same name, and from the defaults of the class.
+    """
 
     intent: ClassVar[str]
     """What those who watch call it, in words, such as "route law": distinct from that of every other mode."""
@@ -105,8 +117,44 @@ class Mode(Protocol):
         ...
 
 
+def _designed(cls: Any, given: dict[str, Any], case: DesignCase) -> Any:
+    """The law field by field: from the file, else from the case under the same name, else by its default."""
+    of_case = {name: getattr(case, name) for name in (*DesignCase._fields, "cross_track_rate_limit")}
+    values = {field.name: of_case[field.name] for field in dataclasses.fields(cls) if field.name in of_case}
+    values |= given
+    for field in dataclasses.fields(cls):
+        no_default = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+        if no_default and field.name not in values:
+            raise ValueError(f"'{field.name}' has no value: set it in [autopilot.law], or give the class a default")
+    return cls(**values)
+
+
+def _no_limits(law: Any) -> tuple[LimitedInput, ...]:
+    """Nothing can be said."""
+    return ()
+
+
+def _explained(law: Any) -> str:
+    """Its parameters."""
+    values = ", ".join(f"{field.name} {getattr(law, field.name)}" for field in dataclasses.fields(law))
+    return f"a law of its own; in SI: {values}"
+
+
+def _not_checked(law: Any, ground_speed: float, offset: float = math.inf, turns: bool = False) -> None:
+    """Nothing is known of where it converges."""
+
+
+DEFAULTS: dict[str, Any] = {  # members that a class may leave out, and what they then are
+    "intent": "own law",
+    "standard": False,
+    "intercept": (),
+    "designed": classmethod(_designed),
+    "limits": _no_limits,
+    "explain": _explained,
+    "check_convergence": _not_checked,
+}
 FACTS = {"intent": str, "standard": bool, "intercept": tuple}
-MEMBERS = (*FACTS, "bank_limit", "designed", "__call__", "limits", "explain", "check_convergence")
+MEMBERS = ("bank_limit", "__call__")  # that a class must have
 
 
 def missing(cls: type) -> list[str]:

@@ -34,7 +34,8 @@ Data
 - `Scenario` - a file as it was read, whole and checked, in SI (sim.scenario.model)
     - ``name``, ``seed``; ``flights``, each with its own air; ``draws`` of noise on flight 0; ``until`` s or None
     - ``runway``, ``aircraft``, ``start``, ``route``, ``autopilot``, ``wind`` - their tables (sim.scenario.tables)
-    - ``mode`` - the kind of law that flies; ``law`` - what the file sets of it; ``designed`` - gains it brings along
+    - ``mode`` - the kind of law that flies, ``modes`` - the classes of all laws that are named; ``law`` - what the file
+      sets of it; ``designed`` - gains it brings along; ``parts`` - kinds from outside that are named
     - ``sensors``, ``trackers`` - by name; ``departures`` from the law; ``checks``; ``study``
     - ``tables`` - the resolved file itself, in its own spelling
 - `Prepared` - all that one flight needs, built once (sim.flight.preparation)

@@ -29,6 +29,7 @@ from tracking.track import (
 )
 
 MEMBERS = tuple(name for name in vars(Tracker) if not name.startswith("_"))
+DEFAULTS: dict[str, Any] = {}  # a tracker has them all
 SAME = 1e-12  # of the largest value of a component: what rounding may differ by
 SYMMETRIC, NEGATIVE = 1e-9, -1e-9  # of the scale of a covariance
 LOOK = 5.0  # s, of a look ahead

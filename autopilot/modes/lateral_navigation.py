@@ -9,10 +9,8 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 
 from aircraft.state import STANDARD_GRAVITY
-from autopilot.mode import DesignCase, LimitedInput, Mode
+from autopilot.mode import RATE_MARGIN, DesignCase, LimitedInput, Mode
 from autopilot.saturation import saturate
-
-RATE_MARGIN = 1.1  # of cross_track_rate_limit over what the turn between two legs needs
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,8 @@ def examine(kind: str, catalogue: Catalogue) -> tuple[str, list[str]]:
     if part is not None and (broken := fault(cls, family)):
         return f"{family}.{name}", [broken]
     contract = importlib.import_module(bundled.CONTRACTS[family])
-    return f"{family}.{name}", contract.broken_promises(cls, _maker(family, cls, name))
+    make = _maker(family, bundled.completed(family, cls), name)
+    return f"{family}.{name}", contract.broken_promises(cls, make)
 
 
 def _found(kind: str, catalogue: Catalogue) -> tuple[str, str]:

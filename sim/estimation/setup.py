@@ -16,6 +16,7 @@ from sim.scenario.plugins import is_outside, said
 from tracking.contract import missing_members
 from tracking.measurement import DebiasedPolar, LinearMeasurement, MeasurementModel, Stacked
 from tracking.partial_place import Azimuth, Chosen, GlidePath, SlantRange
+from tracking.track import TrackerError
 
 
 def reads_places(tracker: Any) -> bool:
@@ -57,14 +58,20 @@ def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, st
 
     Raises ``ScenarioError`` where its sensors do not give what it needs.
     """
-    tracker, law_from = untried(prepared, name, choice)
+    try:
+        tracker, law_from = untried(prepared, name, choice)
+    except TrackerError as error:
+        raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}': {error}") from None
     for missing in missing_members(tracker):
         raise ScenarioError(f"[trackers.{name}] kind '{choice.kind}': {missing}")
     return tracker, law_from
 
 
 def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, str | None]:
-    """`build` for a class that may be no tracker; `tracking.track` lists what a tracker may be given."""
+    """`build` for a class that may be no tracker; `tracking.track` lists what a tracker may be given.
+
+    Raises ``TrackerError`` where making one raises something else than ``ValueError``.
+    """
     cls = choice.cls
     wanted = _given(cls)
     sensors = {sensor: prepared.scenario.sensors[sensor] for sensor in choice.sensors}
@@ -100,7 +107,7 @@ def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, 
     except Exception as error:
         if not is_outside(cls):
             raise
-        raise ScenarioError(f"[trackers.{name}] making it raises {said(error)}") from None
+        raise TrackerError(f"making one raises {said(error)}") from None
     if choice.association is None:
         if _with_clutter(sensors):
             raise ScenarioError(

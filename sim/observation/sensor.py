@@ -84,7 +84,11 @@ class Look(NamedTuple):
 
 
 class Sensor(Protocol):
-    """What watches the aircraft. `broken_promises` tries whether a class is one."""
+    """What watches the aircraft. `broken_promises` tries whether a class is one.
+
+    A class must have ``channels``, ``period``, ``begin``, ``step`` and ``truth``. What else it leaves out is as
+    `DEFAULTS` says: no antenna, no false plots, no outline, and a place where its channels are one.
+    """
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -147,10 +151,18 @@ class Sensor(Protocol):
         ...
 
 
-MEMBERS = (
-    *("channels", "gives_place", "clutter", "antenna", "zero_azimuth", "period"),
-    *("begin", "step", "truth", "outline"),
-)
+def _gives_place(sensor: Any) -> bool:
+    return {"north", "east"} <= {*sensor.channels} or {"range", "azimuth"} <= {*sensor.channels}
+
+
+DEFAULTS: dict[str, Any] = {  # members that a class may leave out, and what they then are
+    "gives_place": property(_gives_place),
+    "clutter": 0.0,
+    "antenna": None,
+    "zero_azimuth": None,
+    "outline": lambda sensor: (),
+}
+MEMBERS = ("channels", "period", "begin", "step", "truth")  # that a class must have
 CLUTTERED = ("detection", "clutter_density")  # of a sensor with clutter
 _ABSENT = object()
 

@@ -20,7 +20,7 @@ FOLDERS = {
     "truths": ("sim.flight.truths", "fly"),
     "wind_events": ("aircraft.wind_events", "velocity"),
 }
-CONTRACTS = {  # family -> the module with its MEMBERS, and with what tries a class on them
+CONTRACTS = {  # family -> the module with its MEMBERS, its DEFAULTS, and what tries a class on them
     "sensors": "sim.observation.sensor",
     "trackers": "tracking.contract",
     "modes": "autopilot.mode",
@@ -55,6 +55,20 @@ def load(family: str, kind: str) -> type[Any]:
     if len(found) != 1:
         raise ScenarioError(f"{module.__name__} must define exactly one dataclass with '{method}', found {len(found)}")
     return found[0]
+
+
+def completed(family: str, cls: type[Any]) -> type[Any]:
+    """The class with the members of its family that it may leave out, each as the contract's ``DEFAULTS`` have it."""
+    own = {*own_members(cls), *getattr(cls, "__dataclass_fields__", ())}
+    for name, member in importlib.import_module(CONTRACTS[family]).DEFAULTS.items():
+        if name not in own:
+            setattr(cls, name, member)
+    return cls
+
+
+def own_members(cls: type[Any]) -> set[str]:
+    """Names of what a class brings itself, and not with every other class."""
+    return {name for base in cls.__mro__[:-1] for name, member in vars(base).items() if member is not None}
 
 
 def scenarios() -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from sim.scenario.catalogue import completed
 from sim.scenario.plugins import Part
 from sim.scenario.tables import (
     AircraftChoice,
@@ -58,3 +59,16 @@ class Scenario:
     study: StudyTable | None
     tables: dict[str, Any] = field(repr=False)  # the resolved file
     parts: tuple[Part, ...] = field(default=(), repr=False)  # kinds from outside that it names
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """In another process its classes are completed as the reader has completed them in this one."""
+        for name, value in state.items():
+            object.__setattr__(self, name, value)
+        for family, classes in (
+            ("modes", self.modes.values()),
+            ("sensors", map(type, self.sensors.values())),
+            ("trackers", (choice.cls for choice in self.trackers.values())),
+            ("wind_events", map(type, self.wind.events.values())),
+        ):
+            for cls in classes:
+                completed(family, cls)

@@ -21,7 +21,6 @@ import sys
 import traceback
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from inspect import getattr_static
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -97,7 +96,7 @@ class Catalogue:
         origin = "" if part is None else f" of {part.origin}"
         if broken := fault(cls, family) or lack(cls, family):
             raise ScenarioError(f"kind '{kind}'{origin} {broken}")
-        return cls
+        return catalogue.completed(family, cls)
 
     def also(self, parts: Iterable[Part]) -> Catalogue:
         """The catalogue with parts that were found before."""
@@ -193,8 +192,8 @@ def class_of(part: Part) -> type[Any]:
 
 def lack(cls: type[Any], family: str) -> str | None:
     """What a class has not that every class of its family has."""
-    fields = {field.name for field in dataclasses.fields(cls)}
-    missing = [name for name in members(family) if name not in fields and getattr_static(cls, name, None) is None]
+    own = {field.name for field in dataclasses.fields(cls)} | catalogue.own_members(cls)
+    missing = [name for name in members(family) if name not in own]
     if not missing:
         return None
     return f"has no {' and no '.join(repr(name) for name in missing)}; 'shortfinal contract' says what it needs"

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import atexit
 import multiprocessing
+import os
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -34,7 +35,7 @@ def run_isolated(scenario: Any, time_limit: float, function: Callable[..., T], *
         return function(*arguments)
     try:
         call, given = carried(scenario.parts, function, *arguments)
-        found: T = _asked(time_limit, call, *given)
+        found: T = _asked(time_limit, _in_folder, os.getcwd(), call, given)
         return found
     except Lost as lost:
         how = f"gives no answer for {time_limit:g} s" if lost.late else f"aborts the simulation ({lost.ending})"
@@ -43,6 +44,12 @@ def run_isolated(scenario: Any, time_limit: float, function: Callable[..., T], *
     except _NoProcess as error:
         how = f"needs a process of its own, which cannot be started: {error}"
     raise ScenarioError(f"{scenario.name}: [aircraft] the model '{model}' {how}; it cannot be flown")
+
+
+def _in_folder(folder: str, function: Callable[..., T], arguments: tuple[Any, ...]) -> T:
+    """In the helper: the call where its caller stands, since a model may be named by a path from there."""
+    os.chdir(folder)
+    return function(*arguments)
 
 
 class _NoProcess(Exception):

@@ -13,6 +13,7 @@ import pytest
 import autopilot.modes
 from autopilot.mode import TRIAL, broken_promises
 from autopilot.modes.lateral_navigation import LateralNavigation
+from sim.cli.contract import examine
 from sim.cli.explain import explain
 from sim.cli.listing import kind_lines
 from sim.errors import ScenarioError
@@ -20,7 +21,9 @@ from sim.estimation.setup import build, check
 from sim.experiment import fly, report, run
 from sim.flight.preparation import prepare
 from sim.scenario import catalogue
+from sim.scenario.plugins import Catalogue
 from sim.scenario.reading import read
+from sim.workers.sharing import helper
 
 PART = Path(__file__).parent.parent / "parts" / "wings_level.py"
 RADAR = {"radar": {"kind": "surveillance_radar", "position_m": [3000, 4000, 10]}}
@@ -40,6 +43,30 @@ def folder(tmp_path, monkeypatch):
 @pytest.fixture
 def wings_level(folder):
     shutil.copy(PART, folder)
+
+
+LEAST = """
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+
+@dataclass(frozen=True)
+class WingsLevel:
+    k1: Annotated[Any, "rad/m"]
+    k2: Annotated[Any, "rad/(m/s)"]
+    bank_limit: Annotated[Any, "rad"]
+    cross_track_limit: Annotated[Any, "m"]
+    cross_track_rate_limit: Annotated[Any, "m/s"]
+
+    def __call__(self, deviation: Any) -> Any:
+        return 0.0 * deviation.cross_track
+"""
+
+
+@pytest.fixture
+def least(folder):
+    """A mode that says no more than it must."""
+    (folder / "wings_level.py").write_text(LEAST)
 
 
 def scenario(**tables):
@@ -136,9 +163,12 @@ def test_a_law_of_any_other_name_is_designed_and_known_to_theory(folder):
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("def explain", "def explained", "kind 'wings_level' has no 'explain'; 'shortfinal contract' says"),
-        ("intent: ClassVar", "purpose: ClassVar", "has no 'intent'"),
-        ("def designed", "def made", "has no 'designed'"),
+        (
+            "bank_limit: Annotated",
+            "limit: Annotated",
+            "kind 'wings_level' has no 'bank_limit'; 'shortfinal contract' says",
+        ),
+        ("def __call__", "def bank", "has no '__call__'"),
     ],
 )
 def test_a_file_that_is_no_whole_mode_is_told_in_one_sentence(folder, old, new, told):
@@ -163,3 +193,21 @@ def test_a_word_of_a_law_has_no_factor():
     told = {"kind": "saturated_control", "law": {"course_factor": 2.0}}
     with pytest.raises(ScenarioError, match="course_factor: no such key; allowed: k3_factor"):
         check(prepare(scenario(autopilot={"kind": "radio_beacon"}, sensors=RADAR, trackers={"told": told})))
+
+
+def test_a_mode_that_says_only_its_bank_flies_and_is_drawn(least, tmp_path):
+    """Its parameters are those of the design under the same names; trackers run in a helper process as well."""
+    trackers = {name: {"kind": "kalman", "sensors": ["radar"]} for name in ("a", "b", "c")}
+    trackers["law"] = {"kind": "saturated_control", "sensors": ["radar"]}
+    flown = scenario(sensors=RADAR, trackers=trackers)
+    with helper(True):
+        result = run(flown)
+        report(result, tmp_path)
+    assert np.abs(result.flight.state.bank).max() == 0.0
+    assert result.prepared.law.k1 == result.prepared.designed.k1
+    assert "law wings level" in (tmp_path / "report.html").read_text()
+    assert "bank_limit 0.26" in explain(flown)
+
+
+def test_a_mode_that_says_only_its_bank_keeps_the_contract(least):
+    assert examine("wings_level", Catalogue()) == ("modes.wings_level", [])

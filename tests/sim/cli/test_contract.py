@@ -37,11 +37,10 @@ def test_a_kind_that_keeps_its_contract(tried, kind):
 @pytest.mark.parametrize(
     ("kind", "old", "new", "said"),
     [
-        ("wind_events.thermal", "def words", "def told", "has no 'words'"),
+        ("wind_events.thermal", "def velocity", "def blow", "has no 'velocity'"),
         ("wind_events.thermal", "return 0.0, 0.0, self.up", "return 0.0, self.up", "velocity gives"),
         ("trackers.calm", "return self.inner.begin(prior)", "return 1 / 0", "begin raises ZeroDivisionError"),
         ("modes.track_hold", "return np.clip(", "return 9.0 * np.clip(", "bank_limit is"),
-        ("modes.track_hold", "def limits", "def borders", "'limits'"),
         ("sensors.beacon", "def step(self, ping", "def stop(self, ping", "'step'"),
         (
             "sensors.beacon",

@@ -39,7 +39,7 @@ def test_the_sensor_as_documented_breaks_nothing(tmp_path):
 
 FAULTS = {
     "it has no 'truth'": ("def truth(", "def exact("),
-    "it has no 'antenna'": ("def antenna(", "def aerial("),
+    "it has no 'period'": ("    period: Annotated", "    pause: Annotated"),
     "a sensor is a class that is a frozen dataclass": ("@dataclass(frozen=True)\n", ""),
     "it cannot be made with its example or its defaults: ValueError: no": (
         "        at_least_a_step(self.period)\n",

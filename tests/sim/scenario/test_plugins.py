@@ -48,6 +48,7 @@ class Mine:
     {member}
     def step(self, state, before, after): return state, []
     def begin(self, time, streams): return None
+    def truth(self, state): return state.north, state.east
 """
 
 
@@ -271,7 +272,7 @@ def test_a_class_that_no_other_process_could_find_is_refused(tmp_path):
 
 def test_what_making_a_part_raises_is_a_sentence(tmp_path):
     file = tmp_path / "mine.py"
-    member = "def __post_init__(self): [][1]"
+    member = "channels = ()\n    def __post_init__(self): [][1]"
     file.write_text(SENSOR.replace("{member}", member) + "\nSHORTFINAL = {'sensors': {'mine': Mine}}\n")
     said = faults({**TABLES, "wind": {}, "trackers": {}, "sensors": {"m": {"kind": "mine"}}}, [file])
     assert said == "scenario: [sensors.m] making it raises IndexError: list index out of range"
