@@ -25,6 +25,21 @@ def location(runway: Runway, position: tuple[float, float, float]) -> tuple[floa
     return north, east, position[2]
 
 
+def antenna_of(sensor: Any) -> tuple[float, float, float]:
+    """(north, east, height) of the antenna of a sensor, m: its ``antenna``."""
+    return location(sensor.runway, sensor.position)
+
+
+def zero_azimuth_of(sensor: Any) -> float:
+    """Course of zero azimuth, rad clockwise from north, of a sensor that has a ``course``: its ``zero_azimuth``."""
+    return float(sensor.runway.heading + sensor.course)
+
+
+def no_outline(sensor: Any) -> tuple[tuple[float, float], ...]:
+    """That of a sensor without limits on the ground: its ``outline``."""
+    return ()
+
+
 def wrapped(angle: Any) -> Any:
     """Angle in -pi..pi."""
     return (angle + math.pi) % (2 * math.pi) - math.pi

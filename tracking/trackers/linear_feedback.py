@@ -50,9 +50,6 @@ class LinearFeedback:
     def __post_init__(self) -> None:
         check_tuning(self.acceleration_density, self.sub_step)
 
-    path, channels = cached_property(path_of), cached_property(channels_on_path)
-    begin, estimate = begin_on_path, estimate_on_path
-
     def _on_line(self, state: PathState, dt: float) -> PathState:
         """By (8), with the gains of the middle of the step: one covariance for all runs."""
         on_line = np.zeros(2)
@@ -82,6 +79,9 @@ class LinearFeedback:
             )
             state = PathState(moved, self.path.advance(place, moved.mean, step))
         return state
+
+    path, channels = cached_property(path_of), cached_property(channels_on_path)
+    begin, estimate = begin_on_path, estimate_on_path
 
     def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
         if dt > 0.0:

@@ -46,9 +46,6 @@ class SaturatedControl:
     def __post_init__(self) -> None:
         check_tuning(self.acceleration_density, self.sub_step)
 
-    path, channels = cached_property(path_of), cached_property(channels_on_path)
-    begin, estimate = begin_on_path, estimate_on_path
-
     def _driven(self, state: PathState, dt: float) -> PathState:
         mean, place = state.gaussian.mean, state.place
         count, step = sub_steps(dt, self.sub_step)
@@ -59,6 +56,9 @@ class SaturatedControl:
         # uniform motion with isotropic noise looks the same from every leg: one covariance for all runs
         moved = predict(state.gaussian, *uniform(self.path.axes, dt, self.acceleration_density))
         return PathState(moved._replace(mean=mean), place)
+
+    path, channels = cached_property(path_of), cached_property(channels_on_path)
+    begin, estimate = begin_on_path, estimate_on_path
 
     def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
         if dt > 0.0:

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Annotated, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
-from sim.observation.antenna import at_least_a_step, location, looks_until, place, polar, positive
+from sim.observation.antenna import (
+    antenna_of,
+    at_least_a_step,
+    looks_until,
+    no_outline,
+    place,
+    polar,
+    positive,
+)
 from sim.observation.sensor import Look
 from sim.randomness import Rows, Streams
 from sim.scenario.tables import Runway
@@ -33,44 +41,22 @@ class Dme:
     position: Annotated[tuple[float, float, float], "m"] = (300.0, 120.0, 3.0)
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
+    channels: ClassVar[tuple[str, ...]] = ("range",)
+    gives_place: ClassVar[bool] = False  # it does not say where the aircraft is on the ground plane
+    clutter: ClassVar[float] = 0.0  # it knows its target
+    antenna = property(antenna_of)
+    zero_azimuth: ClassVar[None] = None  # it measures none
+    outline = no_outline  # it has no limits on the ground
+
     def __post_init__(self) -> None:
         at_least_a_step(self.period)
         positive(self, "sigma")
         if self.bias_sigma < 0:
             raise ValueError("bias_sigma must not be negative")
 
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """What is measured."""
-        return ("range",)
-
-    @property
-    def gives_place(self) -> bool:
-        """It does not say where the aircraft is on the ground plane."""
-        return False
-
-    @property
-    def clutter(self) -> float:
-        """It knows its target."""
-        return 0.0
-
-    @property
-    def antenna(self) -> tuple[float, float, float]:
-        """(north, east, height) of the transponder, m."""
-        return location(self.runway, self.position)
-
-    @property
-    def zero_azimuth(self) -> None:
-        """It measures none."""
-        return
-
     def truth(self, state: AircraftState) -> np.ndarray:
         """Noise-free channels, shape (1, ...)."""
         return np.stack(polar(place(state), self.antenna, 0.0)[:1])
-
-    def outline(self) -> tuple[()]:
-        """It has no limits on the ground."""
-        return ()
 
     def begin(self, time: float, streams: Streams) -> Interrogator:
         """Ready for the first reply, one period after ``time``."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
 from aircraft.state import AircraftState
-from sim.observation.antenna import Sampling, at_least_a_step, looks_until, positive, wrapped
+from sim.observation.antenna import Sampling, at_least_a_step, looks_until, no_outline, positive, wrapped
 from sim.observation.sensor import Look
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
@@ -46,6 +46,12 @@ class Downlink:
     path: Literal["air", "ground"] = "air"
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
+    gives_place: ClassVar[bool] = False  # it does not say where the aircraft is on the ground plane
+    clutter: ClassVar[float] = 0.0  # it knows its target
+    antenna: ClassVar[None] = None  # it is in the aircraft
+    zero_azimuth: ClassVar[None] = None  # it measures none
+    outline = no_outline  # it has no limits on the ground
+
     def __post_init__(self) -> None:
         at_least_a_step(self.period)
         positive(self, "load_factor_sigma", "bank_sigma", "path_sigma", "course_sigma")
@@ -58,26 +64,6 @@ class Downlink:
     def channels(self) -> tuple[str, ...]:
         """What is measured, in the order of z."""
         return CHANNELS
-
-    @property
-    def gives_place(self) -> bool:
-        """It does not say where the aircraft is on the ground plane."""
-        return False
-
-    @property
-    def clutter(self) -> float:
-        """It knows its target."""
-        return 0.0
-
-    @property
-    def antenna(self) -> None:
-        """It is in the aircraft."""
-        return
-
-    @property
-    def zero_azimuth(self) -> None:
-        """It measures none."""
-        return
 
     def sigmas(self) -> np.ndarray:
         """Standard deviations of the channels, shape (6,)."""
@@ -94,10 +80,6 @@ class Downlink:
         else:
             angle, course = np.arctan2(state.velocity_up, state.ground_speed), state.course
         return np.stack([*state.load_factor, state.aerodynamic_bank, angle, course])
-
-    def outline(self) -> tuple[()]:
-        """It has no limits on the ground."""
-        return ()
 
     def begin(self, time: float, streams: Streams) -> Sampling:
         """Ready for the first message, one period after ``time``."""

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
-from sim.observation.antenna import Sampling, at_least_a_step, location, looks_until, place, polar, positive, sector
+from sim.observation.antenna import (
+    Sampling,
+    antenna_of,
+    at_least_a_step,
+    looks_until,
+    place,
+    polar,
+    positive,
+    sector,
+)
 from sim.observation.sensor import Look
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
@@ -38,6 +47,11 @@ class Localiser:
     coverage: Annotated[float, "m"] = 17 * 1852.0
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
+    channels: ClassVar[tuple[str, ...]] = ("azimuth",)
+    gives_place: ClassVar[bool] = False  # a direction alone is no place
+    clutter: ClassVar[float] = 0.0  # it knows its target
+    antenna = property(antenna_of)
+
     def __post_init__(self) -> None:
         at_least_a_step(self.period)
         positive(self, "sigma", "sector", "coverage")
@@ -45,26 +59,6 @@ class Localiser:
             raise ValueError("course_offset must lie within 45 degrees of the runway")
         if not abs(self.bias) <= math.radians(5.0):
             raise ValueError("bias must lie within 5 degrees: beyond, nobody would fly it")
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """What is measured."""
-        return ("azimuth",)
-
-    @property
-    def gives_place(self) -> bool:
-        """A direction alone is no place."""
-        return False
-
-    @property
-    def clutter(self) -> float:
-        """It knows its target."""
-        return 0.0
-
-    @property
-    def antenna(self) -> tuple[float, float, float]:
-        """(north, east, height) of the antenna, m."""
-        return location(self.runway, self.position)
 
     @property
     def zero_azimuth(self) -> float:

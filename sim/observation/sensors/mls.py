@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
-from sim.observation.antenna import FAR, at_least_a_step, location, place, polar, positive, sector, share
+from sim.observation.antenna import (
+    FAR,
+    antenna_of,
+    at_least_a_step,
+    place,
+    polar,
+    positive,
+    sector,
+    share,
+    zero_azimuth_of,
+)
 from sim.observation.sensor import Look
 from sim.randomness import Rows, Streams
 from sim.scenario.tables import Runway
@@ -51,6 +61,11 @@ class Mls:
     beam: BeamNoise | None = None  # live accuracy by the signal-to-noise ratio, which a receiver knows; replaces sigma
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
+    gives_place: ClassVar[bool] = False  # it does not say where the aircraft is on the ground plane
+    clutter: ClassVar[float] = 0.0  # it knows its target
+    antenna = property(antenna_of)
+    zero_azimuth = property(zero_azimuth_of)
+
     def __post_init__(self) -> None:
         at_least_a_step(self.period)
         positive(self, "sigma", "factor", "sector")
@@ -65,26 +80,6 @@ class Mls:
     def channels(self) -> tuple[str, ...]:
         """What is measured."""
         return (self.angle,)
-
-    @property
-    def gives_place(self) -> bool:
-        """It does not say where the aircraft is on the ground plane."""
-        return False
-
-    @property
-    def clutter(self) -> float:
-        """It knows its target."""
-        return 0.0
-
-    @property
-    def antenna(self) -> tuple[float, float, float]:
-        """(north, east, height) of the antenna, m."""
-        return location(self.runway, self.position)
-
-    @property
-    def zero_azimuth(self) -> float:
-        """Course of zero azimuth, rad clockwise from north."""
-        return float(self.runway.heading + self.course)
 
     def outline(self) -> tuple[tuple[float, float], ...]:
         """The sector, drawn to 20 NM: it is not cut off by distance."""

@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from scipy.special import pdtr, pdtrik
 
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
-from sim.observation.antenna import at_least_a_step, location, looks_until, place, polar, positive, sector, share
+from sim.observation.antenna import (
+    antenna_of,
+    at_least_a_step,
+    looks_until,
+    place,
+    polar,
+    positive,
+    sector,
+    share,
+    zero_azimuth_of,
+)
 from sim.observation.sensor import Look
 from sim.randomness import Rows, Streams
 from sim.scenario.tables import Runway
@@ -62,32 +72,17 @@ class PrecisionRadar:
     clutter: float = 0.0  # mean number of false plots inside 3 standard deviations of range and azimuth
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
+    channels: ClassVar[tuple[str, ...]] = ("range", "azimuth", "elevation")
+    gives_place: ClassVar[bool] = True  # one plot is a place
+    antenna = property(antenna_of)
+    zero_azimuth = property(zero_azimuth_of)
+
     def __post_init__(self) -> None:
         at_least_a_step(self.period)
         positive(self, "range_sigma", "azimuth_sigma", "elevation_sigma", "sector", "coverage")
         share(self, "detection")
         if not 0.0 <= self.clutter <= MOST_CLUTTER:
             raise ValueError(f"clutter must lie within 0 and {MOST_CLUTTER:g} false plots inside 3 standard deviations")
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """What is measured, in the order of z."""
-        return ("range", "azimuth", "elevation")
-
-    @property
-    def gives_place(self) -> bool:
-        """One plot is a place."""
-        return True
-
-    @property
-    def antenna(self) -> tuple[float, float, float]:
-        """(north, east, height) of the antenna, m."""
-        return location(self.runway, self.position)
-
-    @property
-    def zero_azimuth(self) -> float:
-        """Course of zero azimuth, rad clockwise from north."""
-        return float(self.runway.heading + self.course)
 
     def sigmas(self, slant: Any, azimuth: Any, elevation: Any) -> np.ndarray:
         """Standard deviations (range m, azimuth rad, elevation rad) at a place, shape (3, ...)."""

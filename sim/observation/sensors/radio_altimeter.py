@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
-from sim.observation.antenna import Sampling, at_least_a_step, looks_until, positive
+from sim.observation.antenna import Sampling, at_least_a_step, looks_until, no_outline, positive
 from sim.observation.sensor import Look
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
@@ -24,42 +24,20 @@ class RadioAltimeter:
     coverage: Annotated[float, "m"] = 750.0
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
+    channels: ClassVar[tuple[str, ...]] = ("height",)
+    gives_place: ClassVar[bool] = False  # it does not say where the aircraft is on the ground plane
+    clutter: ClassVar[float] = 0.0  # it knows its target
+    antenna: ClassVar[None] = None  # it is in the aircraft
+    zero_azimuth: ClassVar[None] = None  # it measures none
+    outline = no_outline  # it has no limits on the ground
+
     def __post_init__(self) -> None:
         at_least_a_step(self.period)
         positive(self, "sigma", "coverage")
 
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """What is measured."""
-        return ("height",)
-
-    @property
-    def gives_place(self) -> bool:
-        """It does not say where the aircraft is on the ground plane."""
-        return False
-
-    @property
-    def clutter(self) -> float:
-        """It knows its target."""
-        return 0.0
-
-    @property
-    def antenna(self) -> None:
-        """It is in the aircraft."""
-        return
-
-    @property
-    def zero_azimuth(self) -> None:
-        """It measures none."""
-        return
-
     def truth(self, state: AircraftState) -> np.ndarray:
         """Noise-free channels, shape (1, ...)."""
         return np.stack((np.asarray(state.height),))
-
-    def outline(self) -> tuple[()]:
-        """It has no limits on the ground."""
-        return ()
 
     def begin(self, time: float, streams: Streams) -> Sampling:
         """Ready for the first reading, one period after ``time``."""

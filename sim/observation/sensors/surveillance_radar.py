@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
-from sim.observation.antenna import Sampling, at_least_a_step, location, looks_until, place, polar, positive
+from sim.observation.antenna import (
+    Sampling,
+    antenna_of,
+    at_least_a_step,
+    looks_until,
+    no_outline,
+    place,
+    polar,
+    positive,
+    zero_azimuth_of,
+)
 from sim.observation.sensor import Look
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
@@ -28,6 +38,12 @@ class SurveillanceRadar:
     course: Annotated[float, "rad"] = 0.0  # of zero azimuth, relative to the runway
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
+    gives_place: ClassVar[bool] = True  # one scan is a place
+    clutter: ClassVar[float] = 0.0  # it knows its target
+    antenna = property(antenna_of)
+    zero_azimuth = property(zero_azimuth_of)
+    outline = no_outline  # it sees all round, as far as there is something to see
+
     def __post_init__(self) -> None:
         at_least_a_step(self.period)
         positive(self, "range_sigma", "azimuth_sigma", "position_sigma")
@@ -36,26 +52,6 @@ class SurveillanceRadar:
     def channels(self) -> tuple[str, ...]:
         """What is measured, in the order of z."""
         return ("range", "azimuth") if self.position_sigma is None else ("north", "east")
-
-    @property
-    def gives_place(self) -> bool:
-        """One scan is a place."""
-        return True
-
-    @property
-    def clutter(self) -> float:
-        """It knows its target."""
-        return 0.0
-
-    @property
-    def antenna(self) -> tuple[float, float, float]:
-        """(north, east, height) of the antenna, m."""
-        return location(self.runway, self.position)
-
-    @property
-    def zero_azimuth(self) -> float:
-        """Course of zero azimuth, rad clockwise from north."""
-        return float(self.runway.heading + self.course)
 
     def covariance(self) -> np.ndarray:
         """R of one scan, shape (2, 2)."""
@@ -69,10 +65,6 @@ class SurveillanceRadar:
             return np.stack((state.north, state.east))
         slant, azimuth, _ = polar(place(state), self.antenna, self.zero_azimuth)
         return np.stack((slant, azimuth))
-
-    def outline(self) -> tuple[()]:
-        """It sees all round, as far as there is something to see."""
-        return ()
 
     def begin(self, time: float, streams: Streams) -> Sampling:
         """Ready for the first look, one period after ``time``."""
