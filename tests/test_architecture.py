@@ -371,3 +371,36 @@ def test_the_walls_can_be_felt():
     assert room("sim.scenario.reading") < room("sim.metrics.table") < room("sim.cli.commands")
     assert "speed_kt" in set(names(tree))
     assert [dotted(n.func) for n in ast.walk(tree) if isinstance(n, ast.Call)] == ["np.random.normal"]
+
+
+LONGEST_COPY = 8  # lines; as many that are equal in two files are one thing written twice
+
+
+def written_lines(path: Path) -> Iterator[tuple[int, str]]:
+    """(number, text) of the lines that say something: no blanks, comments, imports and brackets alone."""
+    tree = ast.parse(path.read_text())
+    imported = {
+        number
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        for number in range(node.lineno, (node.end_lineno or node.lineno) + 1)
+    }
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        text = line.strip()
+        if number not in imported and not text.startswith("#") and any(map(str.isalnum, text)):
+            yield number, text
+
+
+def test_nothing_is_written_twice():
+    """No run of equal lines stands in two files; within one file a fast path may repeat itself."""
+    places: dict[tuple[str, ...], str] = {}
+    wrong = []
+    for package in OURS:
+        for path in sorted((ROOT / package).rglob("*.py")):
+            lines = list(written_lines(path))
+            for start in range(len(lines) - LONGEST_COPY + 1):
+                run = tuple(text for _, text in lines[start : start + LONGEST_COPY])
+                first = places.setdefault(run, path.name)
+                if first != path.name:
+                    wrong.append(f"{first} and {path.name}:{lines[start][0]} {run[0]}")
+    assert not wrong

@@ -17,7 +17,7 @@ from sim.scenario.plugins import catalogue_with
 FAILED = ("diverged", "orbit", "envelope")  # outcomes of flights that are beyond every limit
 
 
-class Border(NamedTuple):
+class FoundLimit(NamedTuple):
     """Two values of the scenario between which the figure passes the limit, and how many flights it took."""
 
     below: float
@@ -30,7 +30,7 @@ class Border(NamedTuple):
         return math.sqrt(self.below * self.above)
 
 
-def border(
+def find_limit(
     source: str | Path | dict[str, Any],
     address: str,
     low: float,
@@ -41,25 +41,25 @@ def border(
     overrides: dict[str, Any] | None = None,
     plugins: Any = (),
     within: float = 0.01,
-) -> Border:
+) -> FoundLimit:
     """The value of ``address`` (``table.key``, in the spelling of files) above which a metric exceeds a limit.
 
     Flight 0 is flown at every value. A flight that diverges, orbits or leaves the envelope exceeds every limit.
 
     Parameters
     ----------
-    low, high : positive values between which the border lies
+    low, high : positive values between which the limit lies
     metric, limit : a scalar of the flight's metrics, in its own suffix
     plugins : what brings kinds that are not bundled, as in `sim.run`
     within : relative width of the interval that is found
 
-    Raises ``ScenarioError`` when the border does not lie between the values.
+    Raises ``ScenarioError`` when the limit does not lie between the values.
     """
     row = table.find(metric)
     if row is None:
         raise ScenarioError(f"no metric '{metric}'; {did_you_mean(metric, table.names())}")
     if not 0.0 < low < high or not within > 0.0:
-        raise ScenarioError(f"a border is looked for between 0 < low < high, not between {low:g} and {high:g}")
+        raise ScenarioError(f"a limit is looked for between 0 < low < high, not between {low:g} and {high:g}")
 
     catalogue = catalogue_with(plugins)
 
@@ -78,4 +78,4 @@ def border(
         middle = math.sqrt(low * high)
         low, high = (low, middle) if exceeds(middle) else (middle, high)
         flights += 1
-    return Border(low, high, flights)
+    return FoundLimit(low, high, flights)

@@ -15,7 +15,7 @@ from sim.flight.linear_model import scenario_loop
 from sim.flight.preparation import prepare
 from sim.metrics.flight import flight_metrics
 from sim.scenario.reading import read
-from sim.studies.bisection import border
+from sim.studies.bisection import find_limit
 
 pytestmark = pytest.mark.acceptance
 SHARE, OFFSET = "autopilot.frequency_share", "start.cross_track_m"
@@ -53,7 +53,9 @@ def flown(*changes):
 
 
 def persists_from(address, low, high, *changes):
-    return border("limit_cycle", address, low, high, "bank_cycle_deg", 1.0, overrides=dict(changes), within=0.01).value
+    return find_limit(
+        "limit_cycle", address, low, high, "bank_cycle_deg", 1.0, overrides=dict(changes), within=0.01
+    ).value
 
 
 @pytest.mark.parametrize("aircraft", AIRCRAFT)

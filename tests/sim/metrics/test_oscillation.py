@@ -20,7 +20,7 @@ from sim.metrics.figures import bank_cycle
 from sim.scenario.axes import cells
 from sim.scenario.reading import read
 from sim.studies import theory as study_theory
-from sim.studies.bisection import border
+from sim.studies.bisection import find_limit
 from sim.studies.metrics import study_metrics
 from sim.studies.page import page
 from tests.capture import CAPTURE
@@ -70,7 +70,7 @@ def test_a_flight_that_is_too_short_to_say_has_no_oscillation():
 
 def test_bisection_finds_where_a_metric_passes_its_limit():
     """The bank of a far capture is the bank limit itself."""
-    found = border(LINE, "autopilot.bank_limit_deg", 8.0, 20.0, "bank_max_deg", 12.0, within=0.02)
+    found = find_limit(LINE, "autopilot.bank_limit_deg", 8.0, 20.0, "bank_max_deg", 12.0, within=0.02)
     assert found.below <= 12.0 <= found.above <= 1.02 * found.below
     assert found.below < found.value < found.above
 
@@ -86,7 +86,7 @@ def test_bisection_finds_where_a_metric_passes_its_limit():
 )
 def test_bisection_says_where_there_is_nothing_to_find(low, high, metric, told):
     with pytest.raises(ScenarioError, match=told):
-        border(LINE, "autopilot.bank_limit_deg", low, high, metric, 12.0)
+        find_limit(LINE, "autopilot.bank_limit_deg", low, high, metric, 12.0)
 
 
 def test_frequency_share_is_of_the_bandwidth_of_the_bank_loop():
