@@ -64,11 +64,11 @@ class WindEvent(Protocol):
 
 
 def _words(event: Any) -> str:
-    """Its parameters that are set, in SI."""
+    """Its parameters that are set, and not as they are by default, in SI."""
     hints, parts = typing.get_type_hints(type(event), include_extras=True), []
     for field in dataclasses.fields(event):
         value, notes = getattr(event, field.name), getattr(hints[field.name], "__metadata__", ("",))
-        if isinstance(value, int | float):
+        if isinstance(value, int | float) and value != field.default:
             parts.append(f"{field.name.rstrip('_')} {value:g} {notes[0]}".rstrip())
     return ", ".join(parts) or "no parameters"
 

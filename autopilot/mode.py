@@ -136,8 +136,9 @@ def _no_limits(law: Any) -> tuple[LimitedInput, ...]:
 
 def _explained(law: Any) -> str:
     """Its parameters."""
-    values = ", ".join(f"{field.name} {getattr(law, field.name)}" for field in dataclasses.fields(law))
-    return f"a law of its own; in SI: {values}"
+    values = {field.name.rstrip("_"): getattr(law, field.name) for field in dataclasses.fields(law)}
+    said = ", ".join(f"{name} {v:.4g}" if isinstance(v, float) else f"{name} {v}" for name, v in values.items())
+    return f"a law of its own; in SI: {said}"
 
 
 def _not_checked(law: Any, ground_speed: float, offset: float = math.inf, turns: bool = False) -> None:
