@@ -57,11 +57,12 @@ PREFERRED = (
 def spellings(name: str, unit: str) -> dict[str, float]:
     """Every legal file key of a quantity with its factor to SI, the preferred spelling first.
 
-    Raises ``KeyError`` when no suffix has this unit.
+    Raises ``ValueError`` when no suffix has this unit.
     """
     found = {suffix: factor for suffix, (si, factor) in SUFFIXES.items() if si == unit}
     if not found:
-        raise KeyError(f"no suffix for the unit '{unit}' of '{name}'")
+        known = ", ".join(dict.fromkeys(si for si, _ in SUFFIXES.values()))
+        raise ValueError(f"the unit '{unit}' of '{name}' is not one of {known}")
     first = next(suffix for suffix in (*PREFERRED, *found) if suffix in found)
     return {f"{name}_{suffix}": found[suffix] for suffix in (first, *(s for s in found if s != first))}
 

@@ -9,6 +9,7 @@ same text serves the autopilot, with floats, and the trackers that predict the a
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import math
 from collections.abc import Callable, Iterator
 from typing import Any, ClassVar, NamedTuple, Protocol, Self
@@ -54,8 +55,8 @@ class Mode(Protocol):
     """A control law of the autopilot. `broken_promises` tries whether a class is one.
 
     A class must have ``bank_limit`` and ``__call__``. What else it leaves out is as `DEFAULTS` says: a law of its own,
-    not standard, without limits that could be drawn or identified, built field by field from what the file sets, from
-    what `DesignCase` has under the same name, and from the defaults of the class.
+    not standard, without limits that could be drawn or identified, built field by field from what the file sets, else
+    from the defaults of the class, else from what `DesignCase` has under the same name.
     """
 
     intent: ClassVar[str]
@@ -118,14 +119,19 @@ class Mode(Protocol):
 
 
 def _designed(cls: Any, given: dict[str, Any], case: DesignCase) -> Any:
-    """The law field by field: from the file, else from the case under the same name, else by its default."""
+    """The law field by field: from the file, else by its default, else from the case under the same name.
+
+    The bank limit is the autopilot's, whatever the class says.
+    """
     of_case = {name: getattr(case, name) for name in (*DesignCase._fields, "cross_track_rate_limit")}
-    values = {field.name: of_case[field.name] for field in dataclasses.fields(cls) if field.name in of_case}
-    values |= given
+    values = {"bank_limit": case.bank_limit, **given}
     for field in dataclasses.fields(cls):
-        no_default = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-        if no_default and field.name not in values:
+        has_default = field.default is not dataclasses.MISSING or field.default_factory is not dataclasses.MISSING
+        if field.name in values or has_default:
+            continue
+        if field.name not in of_case:
             raise ValueError(f"'{field.name}' has no value: set it in [autopilot.law], or give the class a default")
+        values[field.name] = of_case[field.name]
     return cls(**values)
 
 
@@ -178,7 +184,8 @@ def broken_promises(cls: Any, make: Callable[[], Any] | None = None) -> list[str
         return ["a mode is a class that is a frozen dataclass"]
     lacking = missing(cls)
     if lacking:
-        return [f"it has no '{name}'" for name in lacking]
+        asked = {name: inspect.getdoc(getattr(Mode, name)) or "" for name in lacking}
+        return [f"it has no '{name}': {text.splitlines()[0]}" for name, text in asked.items()]
     broken = [
         f"{name}: must be a {kind.__name__}, not {getattr(cls, name)!r}"
         for name, kind in FACTS.items()

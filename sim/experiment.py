@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from sim.errors import ScenarioError
 from sim.estimation.navigator import navigator
 from sim.estimation.setup import check
 from sim.estimation.tracking_run import Tracked, track
@@ -27,7 +28,7 @@ from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.budget import refuse_too_much
 from sim.scenario.model import Scenario
-from sim.scenario.plugins import Part, catalogue_with, digests, load_parts
+from sim.scenario.plugins import Part, catalogue_with, digests, load_parts, said
 from sim.scenario.toml_writer import dumps
 from sim.versions import versions
 from sim.workers.executors import FLIGHT_TIME_LIMIT
@@ -57,17 +58,24 @@ def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
 
 
 def _fly(prepared: Prepared, number: int) -> Flight:
-    flight = flights.fly(
-        prepared.vehicle,
-        prepared.controller,
-        prepared.initial,
-        prepared.wind(number),
-        prepared.limits,
-        prepared.phases,
-        navigator(prepared, number),
-        prepared.gate_height,
-    )
-    return with_departure_events(flight, prepared.scenario.departures)
+    scenario = prepared.scenario
+    try:
+        flight = flights.fly(
+            prepared.vehicle,
+            prepared.controller,
+            prepared.initial,
+            prepared.wind(number),
+            prepared.limits,
+            prepared.phases,
+            navigator(prepared, number),
+            prepared.gate_height,
+        )
+    except Exception as error:
+        place = scenario.part_at_fault(error)
+        if place is None:
+            raise
+        raise ScenarioError(f"{scenario.name}: {place} raises {said(error)} in flight") from None
+    return with_departure_events(flight, scenario.departures)
 
 
 def run(

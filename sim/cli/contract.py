@@ -19,10 +19,10 @@ def examine(kind: str, catalogue: Catalogue) -> tuple[str, list[str]]:
     family, name = _found(kind, catalogue)
     part = catalogue.named(family, name)
     cls = bundled.load(family, name) if part is None else class_of(part)
-    if part is not None and (broken := fault(cls, family)):
+    if broken := fault(cls, family):
         return f"{family}.{name}", [broken]
     contract = importlib.import_module(bundled.CONTRACTS[family])
-    make = _maker(family, bundled.completed(family, cls), name)
+    make = _maker(family, cls if part is None else bundled.completed(family, cls), name)
     return f"{family}.{name}", contract.broken_promises(cls, make)
 
 

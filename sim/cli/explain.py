@@ -12,6 +12,7 @@ from autopilot.limit_cycles import caught, least_offset, limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
 from sim.cli.text_table import table
+from sim.estimation.setup import check
 from sim.flight.departures import in_words
 from sim.flight.linear_model import has_route_loop, scenario_loop
 from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared, prepare
@@ -25,20 +26,26 @@ from sim.workers.isolation import run_isolated
 def explain(scenario: Scenario) -> str:
     """The text of ``shortfinal explain``; raises ``ScenarioError`` for what cannot be flown."""
     prepared = prepare(scenario)
+    check(prepared)
     parts = [_head(prepared), _route(prepared)]
     if scenario.aircraft.model != "point_mass":
         parts.append(run_isolated(scenario, MODEL_TIME_LIMIT, _aircraft, prepared))
         parts += windshear.outlook(prepared)
-    parts.append(_law(prepared))
+    parts.append(f"law {scenario.mode}: {_law(prepared)}")
     rows: list[tuple[str, ...]]
     if scenario.departures:
         rows = [("the law is left at s", "what no tracker is told")]
         rows += [(f"{one.at:.0f}", in_words(one)) for one in sorted(scenario.departures, key=lambda one: one.at)]
         parts.append("\n".join(table(rows, 2)))
     if scenario.sensors:
-        rows = [("sensor", "measures", "every s")]
-        rows += [(name, ", ".join(s.channels), f"{s.period:.3g}") for name, s in scenario.sensors.items()]
-        parts.append("\n".join(table(rows, 2)))
+        kinds = {name: str(entry["kind"]) for name, entry in scenario.tables["sensors"].items()}
+        rows = [("sensor", "kind", "measures", "every s")]
+        rows += [(n, kinds[n], ", ".join(s.channels), f"{s.period:.3g}") for n, s in scenario.sensors.items()]
+        parts.append("\n".join(table(rows, 3)))
+    if scenario.trackers:
+        rows = [("tracker", "kind", "listens to")]
+        rows += [(name, one.kind, ", ".join(one.sensors)) for name, one in scenario.trackers.items()]
+        parts.append("\n".join(table(rows, 3)))
     if scenario.checks:
         rows = [("check", "during", "limit", "source")]
         rows += [(c.name or c.metric, _during(c.during), _limits(c), c.source) for c in scenario.checks]

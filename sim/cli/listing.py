@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.scenario import catalogue
-from sim.scenario.plugins import catalogue_with, installed_kinds
+from sim.scenario.plugins import catalogue_with, class_of, installed_kinds
 
 OSCILLATIONS = ("phugoid", "short_period", "dutch_roll")
 HEADINGS = tuple(mode.replace("_", " ") for mode in OSCILLATIONS)
@@ -40,10 +40,17 @@ def kind_lines(plugins: Any = ()) -> list[str]:
             spec = find_spec(f"{package}.{kind}")
             text = "" if spec is None or spec.origin is None else Path(spec.origin).read_text()
             rows.append((kind, (ast.get_docstring(ast.parse(text)) or " ").splitlines()[0]))
-        outside = [(part.kind, part.origin) for part in brought.parts if part.family == family]
-        rows += [(kind, f"from {origin}") for kind, origin in sorted([*outside, *installed_kinds(family)])]
+        own = [part for part in brought.parts if part.family == family]
+        outside = [(part.kind, f"{_first_line(class_of(part))} [{part.origin}]") for part in own]
+        outside += [(kind, f"from {origin}") for kind, origin in installed_kinds(family)]
+        rows += sorted(outside)
         lines += [title, *(f"  {line}" for line in _aligned(rows)), ""]
     return lines[:-1]
+
+
+def _first_line(cls: type) -> str:
+    """What a class says of itself."""
+    return (cls.__doc__ or "").strip().partition("\n")[0]
 
 
 def aircraft_lines() -> list[str]:

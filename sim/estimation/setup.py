@@ -10,6 +10,7 @@ from typing import Annotated, Any
 from sim.errors import ScenarioError
 from sim.estimation.clutter import AmongFalsePlots
 from sim.flight.preparation import Prepared
+from sim.observation.sensor import unplaced
 from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
 from sim.scenario.plugins import is_outside, said
@@ -151,6 +152,9 @@ def check(prepared: Prepared, own: dict[str, Any] | None = None) -> None:
 
     ``own`` are trackers of the caller by name.
     """
+    for name, sensor in prepared.scenario.sensors.items():
+        for sentence in unplaced(sensor):
+            raise ScenarioError(f"[sensors.{name}] {sentence}")
     for name, tracker in (own or {}).items():
         adopt(prepared, tracker, listened(prepared, name, tracker, prepared.scenario.sensors))
     choices = prepared.scenario.trackers

@@ -370,7 +370,7 @@ def _warnings(scenario: Scenario, aircraft: AircraftData) -> tuple[str, ...]:
     along, across = scenario.runway.from_local(north, east)
     told = []
     if scenario.wind.events and scenario.aircraft.model == "point_mass":
-        told.append("the point mass keeps its airspeed in gusts and microbursts: they only carry it along")
+        told.append("the point mass keeps its airspeed in wind events: they only carry it along")
     if along > aircraft.tailwind_limit:
         told.append(
             f"tailwind {along:.1f} m/s is above the limit of {aircraft.tailwind_limit:.1f} m/s ({aircraft.title})"

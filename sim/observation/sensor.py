@@ -11,6 +11,7 @@ no usable defaults says in ``example: ClassVar[dict[str, Any]]`` what a scenario
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import math
 from collections.abc import Callable, Iterator
 from inspect import getattr_static
@@ -173,6 +174,15 @@ def missing_members(cls: type) -> list[str]:
     return [name for name in MEMBERS if name not in fields and getattr_static(cls, name, _ABSENT) is _ABSENT]
 
 
+def unplaced(sensor: Any) -> Iterator[str]:
+    """What a sensor that measures from a place does not say of that place."""
+    polar = {*sensor.channels} & {"range", "azimuth", "elevation"}
+    if sensor.antenna is None and polar:
+        yield f"antenna is None, and {min(polar)} is counted from it"
+    if sensor.zero_azimuth is None and "azimuth" in polar:
+        yield "zero_azimuth is None, and azimuth is counted from it"
+
+
 class SensorError(ValueError):
     """A sensor that does not keep its contract; the sentence begins with the member."""
 
@@ -226,7 +236,8 @@ def broken_promises(cls: type, make: Callable[[], Any]) -> list[str]:
         return ["a sensor is a class that is a frozen dataclass"]
     lacking = missing_members(cls)
     if lacking:
-        return [f"it has no '{name}'" for name in lacking]
+        asked = {name: inspect.getdoc(getattr(Sensor, name)) or "" for name in lacking}
+        return [f"it has no '{name}': {text.splitlines()[0]}" for name, text in asked.items()]
     try:
         sensor = make()
     except Exception as error:
@@ -271,11 +282,7 @@ def _placed(sensor: Any) -> Iterator[str]:
         yield f"antenna must be (north, east, height) in m, or None, not {antenna!r}"
     if zero is not None and not _finite(zero):
         yield f"zero_azimuth must be a number of radians, or None, not {zero!r}"
-    polar = channels & {"range", "azimuth", "elevation"}
-    if antenna is None and polar:
-        yield f"antenna is None, and {min(polar)} is counted from it"
-    if zero is None and "azimuth" in channels:
-        yield "zero_azimuth is None, and azimuth is counted from it"
+    yield from unplaced(sensor)
     if sensor.gives_place and not ({"north", "east"} <= channels or {"range", "azimuth"} <= channels):
         yield "gives_place is True, and channels have neither north and east nor range and azimuth"
     if sensor.clutter > 0.0:

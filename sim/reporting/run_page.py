@@ -91,6 +91,7 @@ def write(
         draws=metrics.get("draws"),
         scenario_text=dumps(scenario.tables),
         law_rows=law_rows(law),
+        law_text=law.explain(),
         versions=rows(versions),
         timing=[(words(name.removesuffix("_s")), number(float(value), 2)) for name, value in timing.items()],
         aircraft_sources=aircraft_sources(scenario.aircraft.model),

@@ -43,7 +43,10 @@ def load(family: str, kind: str) -> type[Any]:
     package, method = FOLDERS[family]
     if kind not in kinds(family):
         raise KeyError(kind)
-    module = importlib.import_module(f"{package}.{kind}")
+    try:
+        module = importlib.import_module(f"{package}.{kind}")
+    except SyntaxError as error:
+        raise ScenarioError(f"{package}.{kind}: cannot be imported: {error.msg} (line {error.lineno})") from None
     found = [
         thing
         for thing in vars(module).values()
@@ -53,8 +56,10 @@ def load(family: str, kind: str) -> type[Any]:
         and hasattr(thing, method)
     ]
     if len(found) != 1:
-        raise ScenarioError(f"{module.__name__} must define exactly one dataclass with '{method}', found {len(found)}")
-    return found[0]
+        mend = "" if found else "; write @dataclass(frozen=True) above its class"
+        counted = f"exactly one dataclass with '{method}', found {len(found)}{mend}"
+        raise ScenarioError(f"{module.__name__} must define {counted}")
+    return completed(family, found[0]) if family in CONTRACTS else found[0]
 
 
 def completed(family: str, cls: type[Any]) -> type[Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -59,6 +60,13 @@ class Scenario:
     study: StudyTable | None
     tables: dict[str, Any] = field(repr=False)  # the resolved file
     parts: tuple[Part, ...] = field(default=(), repr=False)  # kinds from outside that it names
+
+    def part_at_fault(self, error: BaseException) -> str | None:
+        """The law or the wind event in whose file an error arose, and its line; None = it arose in no such file."""
+        lines = {frame.f_globals.get("__name__"): line for frame, line in traceback.walk_tb(error.__traceback__)}
+        kinds = [(cls, f"[autopilot] kind '{kind}'") for kind, cls in self.modes.items()]
+        kinds += [(type(event), f"[wind.events.{name}]") for name, event in self.wind.events.items()]
+        return next((f"{kind} (line {lines[cls.__module__]})" for cls, kind in kinds if cls.__module__ in lines), None)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """In another process its classes are completed as the reader has completed them in this one."""

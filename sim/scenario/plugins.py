@@ -206,6 +206,8 @@ def fault(cls: type[Any], family: str) -> str | None:
     try:
         named = [one.name for one in parameters(cls) if one.name in TAKEN.get(family, ("kind",))]
         model_of(cls)
+    except ValueError as error:  # a unit that is none
+        return f"has parameters that cannot be read: {printable(str(error))}"
     except Exception as error:  # whatever a foreign annotation does
         return f"has parameters that cannot be read: {said(error)}"
     if named:

@@ -257,7 +257,7 @@ def test_a_new_sensor_measures_along_the_flight(watched):
 
 def test_a_new_sensor_is_explained_drawn_and_reported(watched):
     result, folder = watched
-    assert re.search(r"doppler +range, range_rate +0\.5", explain(result.scenario))
+    assert re.search(r"doppler +doppler_radar +range, range_rate +0\.5", explain(result.scenario))
     page = (folder / "report.html").read_text()
     assert "What the sensors measured" in page
     images = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', page)

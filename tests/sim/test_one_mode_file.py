@@ -119,7 +119,7 @@ def test_it_keeps_the_contract():
 @pytest.mark.usefixtures("wings_level")
 def test_a_tracker_of_intercepts_refuses_a_law_that_has_none():
     prepared = prepare(scenario(sensors=RADAR, trackers={"intents": {"kind": "intent_imm"}}))
-    with pytest.raises(ScenarioError, match=r"^\[trackers.intents\] the wings-level law has no limit") as caught:
+    with pytest.raises(ScenarioError, match=r"^\[trackers.intents\] the wings-level law names no limit") as caught:
         check(prepared)
     assert "\n" not in str(caught.value)
 
@@ -211,3 +211,31 @@ def test_a_mode_that_says_only_its_bank_flies_and_is_drawn(least, tmp_path):
 
 def test_a_mode_that_says_only_its_bank_keeps_the_contract(least):
     assert examine("wings_level", Catalogue()) == ("modes.wings_level", [])
+
+
+def test_a_law_that_fails_in_flight_is_told_in_one_sentence(folder):
+    text = LEAST.replace("return 0.0 * deviation.cross_track", "return 0.0 * deviation.crosstrack")
+    (folder / "wings_level.py").write_text(text)
+    with pytest.raises(ScenarioError) as caught:
+        run(scenario())
+    told = "kind 'wings_level' (line 15) raises AttributeError: 'PathDeviation' object has no attribute 'crosstrack'"
+    assert str(caught.value) == f"mode: [autopilot] {told} in flight"
+
+
+def test_a_default_of_the_class_is_not_replaced_by_the_design(folder):
+    (folder / "wings_level.py").write_text(
+        LEAST.replace('"rad/m"]', '"rad/m"] = 0.5')
+        .replace('"rad/(m/s)"]', '"rad/(m/s)"] = 0.5')
+        .replace('bank_limit: Annotated[Any, "rad"]', 'bank_limit: Annotated[Any, "rad"] = 1.0')
+        .replace('"m"]', '"m"] = 9.0')
+        .replace('"m/s"]', '"m/s"] = 9.0')
+    )
+    law = prepare(scenario()).law
+    assert (law.k1, law.k2, law.cross_track_limit) == (0.5, 0.5, 9.0)
+    assert law.bank_limit == pytest.approx(np.radians(15.0))
+
+
+def test_a_file_that_is_no_python_is_told_with_its_line(folder):
+    (folder / "wings_level.py").write_text("class WingsLevel\n")
+    with pytest.raises(ScenarioError, match=r"autopilot.modes.wings_level: cannot be imported: .* \(line 1\)"):
+        scenario()

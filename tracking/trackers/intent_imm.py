@@ -89,7 +89,7 @@ class IntentImm:
         if not self.limit_factors or not all(factor > 0.0 for factor in self.limit_factors):
             raise ValueError(f"limit_factors must be positive numbers, at least one, not {self.limit_factors}")
         if not self.law.intercept:
-            raise ValueError(f"the {self.law.intent} has no limit of its intercept, so there is none to identify")
+            raise ValueError(f"the {self.law.intent} names no limit in its 'intercept', so there is none to identify")
         if len(set(self._intents)) < len(self._intents):
             raise ValueError(f"every law needs an intent of its own, not {', '.join(self._intents)}")
         if not self.mean_stay > 0.0:

@@ -15,6 +15,13 @@ from sim.reporting.figures.style import Chart
 from sim.reporting.figures.vertical_profile import touchdown_view, vertical_profile
 from sim.reporting.figures.weather import weather_charts
 
+# captions of what a law without limits does not have
+BARS = " Bars below: when the command, and when each input of the law as flown, was at or beyond its limit."
+REGIONS = (
+    " Shaded: the law asks for its bank limit. Between the dotted lines an input is passed on as it is, beyond them it "
+    "is cut off; where the first input is cut off, the law settles on the line of wings level: the intercept."
+)
+
 
 def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
     """All figures of a flight that has something to show in them."""
@@ -42,15 +49,13 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
         add(
             "Bank and its limits",
             bank_history(flight, law, bank_limit),
-            "Shaded: the command stands at the bank limit. Bars below: when the command, and when each input of the "
-            "law as flown, was at or beyond its limit.",
+            "Shaded: the command is at the bank limit." + (BARS if law.limits() else ""),
         )
         add(
             "Phase portrait of the law",
             phase_portrait(flight, law),
-            "Coloured line: the flown deviations, by phase, each leg begun at a circle. Shaded: the law asks for its "
-            "bank limit. Between the dotted lines an input is passed on as it is, beyond them it is cut off; where "
-            "the first input is cut off, the law settles on the line of wings level: the intercept.",
+            "Coloured line: the flown deviations, by phase, each leg begun at a circle."
+            + (REGIONS if law.limits() else ""),
         )
         add(
             "Speed and configuration",

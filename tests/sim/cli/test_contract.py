@@ -46,7 +46,7 @@ def test_a_kind_that_keeps_its_contract(tried, kind):
             "sensors.beacon",
             'period: Annotated[float, "s"]',
             'period: Annotated[float, "parsec"]',
-            "has parameters that cannot be read: KeyError",
+            "has parameters that cannot be read: the unit 'parsec' of 'period' is not one of m, s, Hz",
         ),
         ("sensors.beacon", "@dataclass(frozen=True)\nclass Beacon", "@dataclass\nclass Beacon", "no frozen dataclass"),
     ],

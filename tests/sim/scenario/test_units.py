@@ -31,5 +31,5 @@ def test_the_preferred_spelling_comes_first():
 
 
 def test_an_unknown_unit_is_refused():
-    with pytest.raises(KeyError, match="no suffix for the unit 'furlong'"):
+    with pytest.raises(ValueError, match="the unit 'furlong' of"):
         spellings("x", "furlong")
