@@ -32,7 +32,7 @@ def explain(scenario: Scenario) -> str:
     parts.append(_law(prepared))
     rows: list[tuple[str, ...]]
     if scenario.departures:
-        rows = [("the law is left at s", "what no tracker is told")]
+        rows = [("the law is left at s", "what no tracker knows")]
         rows += [(f"{one.at:.0f}", in_words(one)) for one in sorted(scenario.departures, key=lambda one: one.at)]
         parts.append("\n".join(table(rows, 2)))
     if scenario.sensors:

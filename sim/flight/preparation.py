@@ -71,7 +71,7 @@ class Prepared:
 
     @property
     def departure(self) -> float | None:
-        """When the law that trackers are told is first left, s; None = never."""
+        """When the law that trackers assume is first left, s; None = never."""
         return min((one.at for one in self.scenario.departures), default=None)
 
     @property

@@ -36,9 +36,9 @@ def open_study(folder: Path, text: str, seed: int, anew: bool = False, parts: It
     if begun and (theirs := _identity_of(folder)) != mine:
         raise OutputError(f"{folder}: holds {_difference(theirs, mine)}; choose another folder with -o, or --anew")
     claim(folder, "study")
-    with _told(folder):
+    with _write_errors(folder):
         flights_of(folder).mkdir(parents=True, exist_ok=True)
-    with locked(folder), _told(folder):
+    with locked(folder), _write_errors(folder):
         if not begun:
             for name in (LOG, *RESULTS):
                 (folder / name).unlink(missing_ok=True)
@@ -117,7 +117,7 @@ def _difference(theirs: dict[str, Any], mine: dict[str, Any]) -> str:
 @contextlib.contextmanager
 def locked(folder: Path) -> Iterator[None]:
     """Only one process at a time works in a study folder; the lock dies with its holder."""
-    with _told(folder):
+    with _write_errors(folder):
         handle = os.open(folder / "cache" / "lock", os.O_RDWR | os.O_CREAT, 0o644)
     try:
         try:
@@ -146,13 +146,13 @@ def read_log(folder: Path) -> list[dict[str, Any]]:
 def mend_log(folder: Path) -> None:
     """Cut a last line off that was torn by a crash; only for who holds the lock."""
     path = folder / LOG
-    with _told(folder):
+    with _write_errors(folder):
         if path.exists():
             os.truncate(path, len(_whole_lines(path)))
 
 
 def _whole_lines(path: Path) -> bytes:
-    with _told(path.parent):
+    with _write_errors(path.parent):
         whole, newline, _ = path.read_bytes().rpartition(b"\n") if path.exists() else (b"", b"", b"")
     return whole + newline
 
@@ -160,12 +160,12 @@ def _whole_lines(path: Path) -> bytes:
 @contextlib.contextmanager
 def appending(folder: Path) -> Iterator[Callable[[dict[str, Any]], None]]:
     """A function that adds a record to the log; what it wrote is on the disk when it returns."""
-    with _told(folder):
+    with _write_errors(folder):
         handle = os.open(folder / LOG, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
     try:
 
         def append(record: dict[str, Any]) -> None:
-            with _told(folder):
+            with _write_errors(folder):
                 data = line(record).encode()
                 while data:
                     data = data[os.write(handle, data) :]
@@ -177,7 +177,7 @@ def appending(folder: Path) -> Iterator[Callable[[dict[str, Any]], None]]:
 
 
 @contextlib.contextmanager
-def _told(folder: Path) -> Iterator[None]:
+def _write_errors(folder: Path) -> Iterator[None]:
     """A full or read-only disk in one sentence; what was finished stays."""
     try:
         yield

@@ -57,7 +57,7 @@ class ClusterExecutor:
         """Results as they end."""
         absent = None
         while self._waiting or self._running:
-            with self._told():
+            with self._lost_scheduler():
                 threads = sum(self.client.nthreads().values())
             absent = None if threads else absent or time.monotonic()
             if absent is not None and time.monotonic() - absent > PATIENCE:
@@ -79,7 +79,7 @@ class ClusterExecutor:
         self.client.close()
 
     def _start(self, job: Job) -> None:
-        with self._told():
+        with self._lost_scheduler():
             future = self.client.submit(_run, numerics(), job.function, *job.arguments, pure=False)
         self._running[future] = job, time.monotonic()
 
@@ -90,7 +90,7 @@ class ClusterExecutor:
         if not self._running:
             time.sleep(0.1)
             return []
-        with self._told():
+        with self._lost_scheduler():
             try:
                 return list(wait(list(self._running), timeout=1.0, return_when="FIRST_COMPLETED").done)
             except TimeoutError:
@@ -100,7 +100,7 @@ class ClusterExecutor:
         """The result of a job, or ``Lost``."""
         from distributed.scheduler import KilledWorker
 
-        with self._told():
+        with self._lost_scheduler():
             error = future.exception()
             result = future.result() if error is None else None
         if isinstance(result, Refused):
@@ -118,15 +118,15 @@ class ClusterExecutor:
         now = time.monotonic()
         for future in [one for one, (_, since) in self._running.items() if now - since > self.time_limit]:
             job, _ = self._running.pop(future)
-            with self._told():
+            with self._lost_scheduler():
                 stuck = [worker for worker, keys in self.client.processing().items() if future.key in keys]
                 self.client.cancel([future], force=True)
                 self.client.restart_workers(stuck, raise_for_error=False)
             yield job.number, Lost(f"no answer for {self.time_limit:g} s")
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
-        """A scheduler that went away in one sentence; no error of a job passes here."""
+    def _lost_scheduler(self) -> Iterator[None]:
+        """Report a scheduler that is gone in one sentence; the errors of jobs do not pass through here."""
         try:
             yield
         except (OSError, CancelledError, TimeoutError):
