@@ -1,4 +1,4 @@
-"""explain(): what a scenario comes to, in plain text: route, trims, modes, gains, limits, checks."""
+"""explain(): what a scenario resolves to, in plain text: route, trims, modes, gains, limits, checks."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def _aircraft(prepared: Prepared) -> str:
 
 
 def _law(prepared: Prepared) -> str:
-    """What the law says of itself, and where it is a route law that flies an aircraft, what theory says of the loop."""
+    """The law's own description, and for a route law that flies an aircraft the margins of its loop."""
     text = f"{prepared.law.explain()}; bank loop {prepared.designed.bank_bandwidth:.2f} rad/s"
     route_law = LateralNavigation.of(prepared.law)
     return f"{text}\n{_route_loop(prepared, route_law)}" if route_law and has_route_loop(prepared) else text

@@ -1,7 +1,7 @@
 """Batched trackers: those that differ only in the law they assume run as one, their runs side by side.
 
 A law takes arrays for its gains and limits, one value per run, and a step over twice the runs costs little more than a
-step over the runs: most of it is the setting-up of array operations.
+step over the runs: most of it is overhead of array operations.
 """
 
 from __future__ import annotations

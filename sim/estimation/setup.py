@@ -1,4 +1,4 @@
-"""A tracker of a scenario with all that the simulation gives it: law, route, radars; never the truth."""
+"""Trackers of a scenario with what the simulation supplies: law, route, sensor geometry; never the truth."""
 
 from __future__ import annotations
 

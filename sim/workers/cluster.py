@@ -1,6 +1,6 @@
 """Flights on a cluster: dask.distributed behind the three calls of an executor.
 
-Whoever can reach the ports of a cluster can run code on it, and on whoever listens to it. So an address on another
+Anyone who can reach the ports of a cluster can run code on it and on its clients. So an address on another
 machine is used only with TLS, or when the user insists.
 """
 
@@ -31,7 +31,7 @@ FLYING = threading.Lock()  # of a worker process: flights share it with no other
 
 
 class Refused(NamedTuple):
-    """What a worker says that must not fly."""
+    """The answer of a worker that would compute other numbers."""
 
     reason: str
 
@@ -40,7 +40,7 @@ class Refused(NamedTuple):
 class ClusterExecutor:
     """Workers of a cluster, one job each at a time, so that a worker that dies takes no other job with it.
 
-    Jobs of workers that die are run again by the scheduler; one that hangs is lost, and its worker started anew.
+    Jobs of workers that die are run again by the scheduler; one that hangs is lost, and its worker restarted.
     """
 
     client: Any
@@ -71,7 +71,7 @@ class ClusterExecutor:
             yield from self._overdue()
 
     def close(self) -> None:
-        """Take back all that still runs and leave the cluster."""
+        """Cancel all jobs that still run and disconnect."""
         self._waiting.clear()
         if self.client.status == "running":
             self.client.cancel(list(self._running), force=True)
@@ -107,7 +107,7 @@ class ClusterExecutor:
             raise OutputError(f"cluster {self.address}: {result.reason}; finished flights are kept")
         if isinstance(error, OutputError):  # about the worker, not about the flight
             raise OutputError(f"cluster {self.address}: {error}; finished flights are kept")
-        if isinstance(error, KilledWorker):  # the scheduler has tried it again as often as it is told to
+        if isinstance(error, KilledWorker):  # the scheduler has tried it again as often as it is configured to
             return Lost(f"its worker process died {error.allowed_failures + 1} times")
         if isinstance(error, MemoryError):
             return Lost("out of memory")
@@ -166,7 +166,7 @@ def connect(address: str, insecure: bool = False) -> ClusterExecutor:
     except ImportError:
         raise OutputError("--cluster needs dask.distributed: pip install 'shortfinal[cluster]'") from None
     for name in ("distributed", *(one for one in logging.root.manager.loggerDict if one.startswith("distributed."))):
-        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is told in our own words
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters we report ourselves
     security = _security(distributed, address) if where.startswith("tls:") else None
     try:
         client = distributed.Client(where, timeout=ANSWER, security=security)
@@ -182,7 +182,7 @@ def connect(address: str, insecure: bool = False) -> ClusterExecutor:
 
 
 def _checked(address: str, insecure: bool) -> str:
-    """The address with its scheme, once somebody listens there."""
+    """The address with its scheme, once a server listens there."""
     text = address if "://" in address else f"tcp://{address}"
     form = f"cluster {address}: write the address of its scheduler as HOST:PORT, tcp://HOST:PORT or tls://HOST:PORT"
     try:

@@ -39,7 +39,7 @@ def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown]
 
 
 def _contest(trackers: dict[str, Any], followed: list[Shown]) -> tuple[str, list[Shown]]:
-    """The channel that is judged and, best first, whoever has it from the sensors that most trackers listen to."""
+    """The channel that is compared and, best first, the trackers that have it from the most used set of sensors."""
     able: list[Shown] = []
     for channel in (*PLACES, *dict.fromkeys(c for one in followed for c in one.curves.channels)):
         able = [one for one in followed if _rmse(trackers, channel, one) is not None]
@@ -82,7 +82,7 @@ def _ratio(channel: str, one: Shown, best: Shown) -> tuple[float, bool]:
 
 
 def _behind(flight: Flight, channel: str, best: Shown, others: list[Shown]) -> str:
-    """Who is as good, and how far and where the next one falls behind."""
+    """Trackers as good as the best, and by how much and where the next one is worse."""
     ratios = {one.name: _ratio(channel, one, best) for one in others}
     alike = [words(one.name) for one in others if ratios[one.name][1]]
     behind = [one for one in others if not ratios[one.name][1] and np.isfinite(ratios[one.name][0])]

@@ -52,7 +52,7 @@ def error_charts(
             "Root mean square over draws and short windows of time, on a logarithmic scale. Dashed: mismatched "
             "law. Dots: the measurements themselves."
             + (
-                " Dotted: the Cramér-Rao bound on this path for one who knows every acceleration, but no route; "
+                " Dotted: the Cramér-Rao bound on this path with every acceleration known, but no route; "
                 "across track a tracker that knows where the autopilot steers may come below it."
                 if bound is not None
                 else ""
