@@ -65,7 +65,7 @@ def test_an_alarm_stands_until_the_law_is_believed_again():
 
 
 def test_while_the_law_is_flown_alarms_are_rarer_than_stated():
-    """Looks drawn from the told law's own density against a shifted one, forgotten at an even rate: 400 x 400 looks.
+    """Looks drawn from the assumed law's own density against a shifted one, forgotten at an even rate: 400 x 400 looks.
 
     Page's bound says at most one alarm in 100 looks on average; a run of 400 looks then has four at most.
     """
