@@ -1,6 +1,6 @@
 """An autopilot that is not flown to the end: from stated times on the bank follows something else than the route law.
 
-What watches the aircraft is not told. Speed, height and the sequence of legs stay those of the approach.
+The trackers know nothing of it. Speed, height and the sequence of legs stay those of the approach.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ class Mode(Protocol):
 
     standard: ClassVar[bool]
     """Whether the autopilot always has it, so that a crew may switch to it at any time: a tracker of intents then
-    weighs it beside the law that it is told. A mode that is not standard changes no scenario but those that fly it."""
+    weighs it beside its assumed law. A mode that is not standard changes no scenario but those that fly it."""
 
     intercept: ClassVar[tuple[str, ...]]
     """Fields that set the course of a far intercept: first the limit itself, then those that have to grow with it for
@@ -314,10 +314,10 @@ def _limits(law: Any) -> Iterator[str]:
     if not inputs or not all(math.isfinite(one.gain) for one in inputs):
         return
     points = _points()
-    told = sum(
+    described = sum(
         -one.gain * saturate(getattr(points, one.of), one.limit) * (points.distance_to_go > one.blind) for one in inputs
     )
-    if not np.allclose(law(points), saturate(told, law.bank_limit), rtol=1e-6, atol=1e-9):
+    if not np.allclose(law(points), saturate(described, law.bank_limit), rtol=1e-6, atol=1e-9):
         yield "gains and limits do not give the bank that the law commands; leave the gains out where it is no such sum"
 
 

@@ -17,9 +17,9 @@ class Watched(NamedTuple):
     """What the test says at each of k epochs, for each noise draw."""
 
     time: np.ndarray  # (k,) s
-    told: str  # the intent that the tracker is told
+    assumed: str  # the intent of the law that the tracker assumes
     belief: dict[str, np.ndarray]  # (k, draws) probability of each intent
-    sum: np.ndarray  # (k, draws) of log likelihood ratios against the told law, never below zero
+    sum: np.ndarray  # (k, draws) of log likelihood ratios against the assumed law, never below zero
     limit: float
 
     @property
@@ -30,7 +30,7 @@ class Watched(NamedTuple):
 
 @dataclass(frozen=True)
 class ConformanceTest:
-    """Page's test for a change from the told law to anything else [beyond the papers]."""
+    """Page's test for a change from the assumed law to anything else [beyond the papers]."""
 
     looks_between_false_alarms: float = 1000.0  # at least, on average
 
@@ -44,9 +44,9 @@ class ConformanceTest:
         return math.log(self.looks_between_false_alarms)
 
     def step(self, total: Any, evidence: Any, belief: Any) -> Any:
-        """The sum after one look more, after which the told law has the probability ``belief``.
+        """The sum after one more look, which leaves the assumed law with the probability ``belief``.
 
-        A lost draw follows nothing that is known.
+        A lost draw (NaN) counts as one that does not follow it.
         """
         following = np.maximum(total + np.nan_to_num(evidence, nan=self.limit), 0.0)
         return np.where((total > self.limit) & (belief > 0.5), 0.0, following)
@@ -60,9 +60,9 @@ class ConformanceTest:
         before = np.full_like(after, 1.0 / len(names))
         steps = np.diff(track.time)[:, None, None]
         before[1:] = tracker.switched(after[:-1], steps)
-        told = np.array([name == names[0] for name in names])
+        assumed = np.array([name == names[0] for name in names])
         with np.errstate(invalid="ignore"):  # a lost draw is a result
-            evidence = _log_odds(after, told) - _log_odds(before, told)
+            evidence = _log_odds(after, assumed) - _log_odds(before, assumed)
         belief = {
             name: after[:, np.array([other == name for other in names])].sum(axis=1) for name in dict.fromkeys(names)
         }
@@ -76,7 +76,7 @@ class ConformanceTest:
 CONFORMANCE = ConformanceTest()
 
 
-def _log_odds(weights: np.ndarray, told: np.ndarray) -> np.ndarray:
-    """Logarithm of the odds (k, draws) against the told law."""
-    against, by = weights[:, ~told].sum(axis=1), weights[:, told].sum(axis=1)
+def _log_odds(weights: np.ndarray, assumed: np.ndarray) -> np.ndarray:
+    """Logarithm of the odds (k, draws) against the assumed law."""
+    against, by = weights[:, ~assumed].sum(axis=1), weights[:, assumed].sum(axis=1)
     return np.asarray(np.log(np.maximum(against, UNLIKELY)) - np.log(np.maximum(by, UNLIKELY)))

@@ -5,7 +5,7 @@ epoch to epoch, so that its sum over a window is chi-square too: exactly for a l
 moment-matched innovation of an IMM. Where the prediction of a measurement is itself far from Gaussian, as in a filter
 of switching noise, large sums are commoner (12 % of the epochs where 1 % was stated): ask for a lower rate there.
 
-A manoeuvre that the model does not know, a target that left the route whose law the tracker was told, a sensor worse
+A manoeuvre that the model does not know, a target that left the route whose law the tracker assumes, a sensor worse
 than its R, a lost target: all raise it.
 """
 

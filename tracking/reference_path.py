@@ -27,7 +27,7 @@ CROSS_TRACK = ("cross_track", "cross_track_rate")
 
 
 class Law(Protocol):
-    """The autopilot's control law as it is told; this package knows no law by name."""
+    """The control law that a tracker assumes for the autopilot; this package knows no law by name."""
 
     @property
     def bank_limit(self) -> Any:
@@ -274,7 +274,7 @@ def steering(law: Law, path: ReferencePath, place: Any, mean: Array) -> Steering
     """Bank and its slopes across the path at the estimate (n, *B), by one call of the law.
 
     The laws are linear between their limits, so that a one-sided difference is exact there. Where the bank jumps - a
-    course error passes half a turn on a flight against the leg - there is no slope, and none is told.
+    course error passes half a turn on a flight against the leg - there is no slope, and none is returned.
     """
     small = 1e-3  # m and m/s: far below any limit, far above rounding at 1e5 m
     normal = lift(path.normal(place), 1, mean.ndim - 1)

@@ -247,7 +247,7 @@ def list_(
 
 @app.command()
 def explain(scenario: Scenario = DEFAULT, sets: Sets = None, plugins: Plugins = None) -> None:
-    """Show what a scenario comes to: route, trim, modes, gains, limits, checks."""
+    """Show what a scenario resolves to: route, trim, modes, gains, limits, checks."""
     from sim.cli.explain import explain as told
     from sim.experiment import read
 

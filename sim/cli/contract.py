@@ -1,4 +1,4 @@
-"""contract(): what a kind, bundled or from outside, breaks of the contract of its family, in sentences."""
+"""contract(): how a kind, bundled or from outside, breaks the contract of its family, in sentences."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Looks the installation over: versions, shadowed names, JSBSim, a place to write."""
+"""Checks the installation: versions, shadowed names, JSBSim, a place to write."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""explain(): what a scenario comes to, in plain text: route, trims, modes, gains, limits, checks."""
+"""explain(): what a scenario resolves to, in plain text: route, trims, modes, gains, limits, checks."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def explain(scenario: Scenario) -> str:
     parts.append(f"law {scenario.mode}: {_law(prepared)}")
     rows: list[tuple[str, ...]]
     if scenario.departures:
-        rows = [("the law is left at s", "what no tracker is told")]
+        rows = [("the law is left at s", "what no tracker knows")]
         rows += [(f"{one.at:.0f}", in_words(one)) for one in sorted(scenario.departures, key=lambda one: one.at)]
         parts.append("\n".join(table(rows, 2)))
     if scenario.sensors:
@@ -118,7 +118,7 @@ def _aircraft(prepared: Prepared) -> str:
 
 
 def _law(prepared: Prepared) -> str:
-    """What the law says of itself, and where it is a route law that flies an aircraft, what theory says of the loop."""
+    """The law's own description, and for a route law that flies an aircraft the margins of its loop."""
     text = f"{prepared.law.explain()}; bank loop {prepared.designed.bank_bandwidth:.2f} rad/s"
     route_law = LateralNavigation.of(prepared.law)
     return f"{text}\n{_route_loop(prepared, route_law)}" if route_law and has_route_loop(prepared) else text

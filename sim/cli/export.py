@@ -24,7 +24,7 @@ Columns = dict[str, np.ndarray]
 
 
 def export(folder: Path, kind: str) -> list[Path]:
-    """Write the records of a folder beside themselves, ``kind`` csv or parquet; returns the files written.
+    """Write the records of a folder into the same folder, ``kind`` csv or parquet; returns the files written.
 
     A run gives one file for the flight, each sensor and each tracker; sensors and trackers have one row for each epoch
     and noise draw. A study gives one file with a row for each flight. Numbers are written in full; what is absent is an

@@ -1,4 +1,4 @@
-"""The fleet: every aircraft of JSBSim through the one recipe, each in a worker process that it may take with it.
+"""The fleet: every aircraft of JSBSim through the same design, each in a worker process that it may crash.
 
 ``python -m sim.cli.fleet`` writes two tables that travel with the package: what stock models say of their own speeds
 (``aircraft/models/stock.toml``) and how each of them flew (``sim/cli/fleet.toml``); with names it renews their rows.
@@ -173,7 +173,7 @@ def _modes(prepared: Any) -> dict[str, Any]:
 
 
 def _reason(error: Exception) -> str:
-    """What was said, without the name of the scenario that nobody wrote."""
+    """The message, without the name of the temporary scenario."""
     return str(error).splitlines()[0].split("] ", 1)[-1]
 
 
@@ -186,7 +186,7 @@ def answers(
     workers: int = 1,
     time_limit: float = AIRCRAFT_TIME_LIMIT,
 ) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Each aircraft and its answer, as they end; one that kills its process or hangs is answered too."""
+    """Each aircraft and its answer, as they end; one that kills its process or hangs gets an answer too."""
     executor = LocalExecutor(workers, time_limit=time_limit)
     for number, model in enumerate(models):
         executor.submit(number, ask, model)
@@ -198,7 +198,7 @@ def answers(
 
 
 def write(models: Sequence[str], workers: int = 1) -> None:
-    """Measure stock aircraft and write both tables; rows of others stay, as long as the versions are the same."""
+    """Measure stock aircraft and write both tables; rows of others stay while the versions are the same."""
     from aircraft.slowest import STOCK_TABLE
     from sim.versions import versions
 
@@ -214,7 +214,7 @@ def write(models: Sequence[str], workers: int = 1) -> None:
 
 
 def _kept(path: Path, under: dict[str, Any]) -> dict[str, Any]:
-    """What a table holds, without its versions; nothing where they are others."""
+    """Rows of a table, without its versions; none where the versions differ."""
     table = tomllib.loads(path.read_text()) if path.is_file() else {}
     return table if table.pop("versions", None) == under["versions"] else {}
 

@@ -1,4 +1,4 @@
-"""What there is to choose from: scenarios, aircraft, kinds; read without importing any of it."""
+"""Lists of scenarios, aircraft and kinds, read without importing any of them."""
 
 from __future__ import annotations
 

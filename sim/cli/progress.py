@@ -1,4 +1,4 @@
-"""A progress bar with rate and remaining time, for people at a terminal."""
+"""A progress bar with rate and remaining time, for a terminal."""
 
 from __future__ import annotations
 

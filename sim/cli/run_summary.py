@@ -6,7 +6,7 @@ from typing import Any
 
 from sim.cli.text_table import table
 from sim.metrics.checks import broken, broken_in_study
-from sim.metrics.conformance import told_in_words
+from sim.metrics.conformance import conformance_sentence
 from sim.metrics.navigation import beside
 
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
@@ -38,7 +38,7 @@ def summary(metrics: dict[str, Any]) -> str:
         lines += ["", *table([header, *([name, *map(_number, values)] for name, *values in twin)], 1)]
     alerts = {name: tracker.get("conformance") for name, tracker in metrics["trackers"].items()}
     if any(alerts.values()):
-        lines += ["", *(told_in_words(name, found) for name, found in alerts.items() if found)]
+        lines += ["", *(conformance_sentence(name, found) for name, found in alerts.items() if found)]
     if metrics["checks"]:
         header = ["check", "value", "limit", "margin", ""]
         shown = [

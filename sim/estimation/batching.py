@@ -1,7 +1,7 @@
-"""Batched trackers: those that differ only in the law they are told run as one, their runs side by side.
+"""Batched trackers: those that differ only in the law they assume run as one, their runs side by side.
 
 A law takes arrays for its gains and limits, one value per run, and a step over twice the runs costs little more than a
-step over the runs: most of it is the setting-up of array operations.
+step over the runs: most of it is overhead of array operations.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tracking.track import Measurements, Track
 
 
 def can_batch(one: Any, other: Any) -> bool:
-    """Whether two trackers can run as one: of one class, told laws of one class, all else equal.
+    """Whether two trackers can run as one: of one class, with assumed laws of one class, all else equal.
 
     The bank limit must be equal too, because it plans the turns of the route.
     """
@@ -36,12 +36,12 @@ def stack_laws(trackers: list[Any], runs: int) -> Any:
     if all(tracker is trackers[0] for tracker in trackers):
         return trackers[0]
     laws = [tracker.law for tracker in trackers]
-    told = {}
+    stacked = {}
     for field in dataclasses.fields(laws[0]):
         values = [getattr(law, field.name) for law in laws]
         if values != [values[0]] * len(values):
-            told[field.name] = np.repeat(values, runs)
-    return dataclasses.replace(trackers[0], law=dataclasses.replace(laws[0], **told))
+            stacked[field.name] = np.repeat(values, runs)
+    return dataclasses.replace(trackers[0], law=dataclasses.replace(laws[0], **stacked))
 
 
 def repeat_runs(record: Measurements, prior: Gaussian, times: int) -> tuple[Measurements, Gaussian]:

@@ -16,8 +16,8 @@ from tracking.track import Tracker, modes_of
 class AmongFalsePlots:
     """A tracker on the ground plane, fed by probabilistic data association with all plots of one radar.
 
-    The radar's false plots lie the denser the nearer the aircraft is, so each step takes their density anew, at the
-    mean place of its own plots.
+    The density of false plots on the ground grows as the aircraft comes nearer, so each step evaluates it at the mean
+    position of its own plots.
     """
 
     tracker: Tracker

@@ -1,4 +1,4 @@
-"""How far ahead a tracker can be believed: its own prediction without measurements, against what then happened."""
+"""Accuracy of a tracker's prediction: propagated without measurements, compared with the later truth."""
 
 from __future__ import annotations
 

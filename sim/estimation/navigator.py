@@ -1,4 +1,4 @@
-"""The loop closed through a tracker: the autopilot flies on the place that the tracker believes."""
+"""The loop closed through a tracker: the autopilot flies on the position that the tracker estimates."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ DECISION_HEIGHT = 60.0  # m; below, the height is the radio altimeter's
 
 @contextmanager
 def _in_the_loop() -> Iterator[None]:
-    """What the tracker or a sensor breaks of its contract becomes a sentence of the scenario."""
+    """Report a broken contract of the tracker or a sensor as a ``ScenarioError``."""
     try:
         yield
     except SensorError as error:
@@ -37,7 +37,7 @@ def _in_the_loop() -> Iterator[None]:
 
 
 class NavigatorState(NamedTuple):
-    """What is carried from record to record."""
+    """The state of the navigator from record to record."""
 
     sensors: tuple[Any, ...]  # state of each sensor
     tracker: Any  # state after the last measurement
@@ -76,7 +76,7 @@ class Navigator:
 
     @_in_the_loop()
     def begin(self, state: AircraftState) -> tuple[NavigatorState, AircraftState]:
-        """The sight at the start and what is seen then."""
+        """The navigator's state at the start, and the aircraft state that the autopilot sees then."""
         start = prior(
             _straight(state, self.route),
             self.true_sensors,
@@ -98,7 +98,7 @@ class Navigator:
     def step(
         self, sight: NavigatorState, before: AircraftState, after: AircraftState
     ) -> tuple[NavigatorState, AircraftState]:
-        """The sight one record later and what is seen then; looks count from their arrival."""
+        """The navigator's state one record later, and what the autopilot sees then; looks count from their arrival."""
         states, pending = [], list(sight.pending)
         for index, (state, (_, sensor)) in enumerate(zip(sight.sensors, self.sensors, strict=True)):
             state, looks = looks_of(sensor, state, before, after)
@@ -142,7 +142,7 @@ class Navigator:
         return before if math.isnan(value) else value
 
     def _seen(self, sight: NavigatorState, state: AircraftState) -> AircraftState:
-        """The aircraft's own state with what the tracker believes now, by its own prediction."""
+        """The aircraft's state with the position and velocity of the tracker, predicted to now."""
         estimate = believed(self.tracker, sight.ahead)
         mean = (merge(estimate) if isinstance(estimate, Mixture) else estimate).mean
         values = {name: float(np.ravel(value)[0]) for name, value in zip(self.tracker.channels, mean, strict=True)}
@@ -171,7 +171,7 @@ def _batched(start: Gaussian) -> Gaussian:
 
 
 def _straight(state: AircraftState, route: Any) -> Flight:
-    """A second of straight flight about a state, from which the truth of any component is taken."""
+    """A second of straight flight about a state, from which the true value of any component is computed."""
     times = np.array((-0.5, 0.0, 0.5))
     columns = {name: np.full(3, float(value)) for name, value in state._asdict().items()}
     columns["time"] = state.time + times

@@ -1,4 +1,4 @@
-"""What the components of a tracker's state truly were, and what is known of them when a track begins."""
+"""True values of the components of a tracker's state, and the estimate with which a track begins."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tracking.measurement import wrap
 PRIOR_POSITION, PRIOR_RATE, PRIOR_ACCELERATION = 100.0, 5.0, 0.5  # m, m/s, m/s2: of the unit that hands over
 DIFFERENCE = 0.1  # s, of the central differences behind rates
 SPREADS = (PRIOR_POSITION, PRIOR_RATE, PRIOR_ACCELERATION)
-NEAR = 1000.0  # m, from where the angles of a sensor that stands nowhere are known as those of a place are
+NEAR = 1000.0  # m, distance that turns the spread of a position into one of an angle, for a sensor without antenna
 ORDERS = ("", "_rate", "_acceleration")
 PLANE = ("north", "east", "height")
 

@@ -1,4 +1,4 @@
-"""A tracker of a scenario with all that the simulation gives it: law, route, radars; never the truth."""
+"""Trackers of a scenario with what the simulation supplies: law, route, sensor geometry; never the truth."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Annotated, Any
 from sim.errors import ScenarioError
 from sim.estimation.clutter import AmongFalsePlots
 from sim.flight.preparation import Prepared
+from sim.metrics.conformance import MISMATCHED
 from sim.observation.sensor import unplaced
 from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
@@ -55,7 +56,7 @@ def adopt(prepared: Prepared, tracker: Any, names: tuple[str, ...]) -> Any:
 
 
 def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, str | None]:
-    """A tracker with what the simulation gives it, and where the law it is told comes from (None = it needs none).
+    """A tracker with what the simulation gives it, and where its assumed law comes from (None = it needs none).
 
     Raises ``ScenarioError`` where its sensors do not give what it needs.
     """
@@ -81,7 +82,7 @@ def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, 
     if choice.law and "law" not in wanted:
         raise ScenarioError(f"[trackers.{name}.law] kind '{choice.kind}' uses no law")
     if "law" in wanted:
-        supplied["law"], law_from = _told(prepared.law, name, choice)
+        supplied["law"], law_from = assumed_law(prepared.law, name, choice)
     if "alternative_laws" in wanted:
         supplied["alternative_laws"] = prepared.alternative_laws
     if "route" in wanted:
@@ -148,7 +149,7 @@ def _given(cls: type) -> dict[str, bool]:
 
 
 def check(prepared: Prepared, own: dict[str, Any] | None = None) -> None:
-    """Build every tracker once, so that what cannot be tracked is told before anything flies.
+    """Build every tracker once, so that what cannot be tracked is refused before anything flies.
 
     ``own`` are trackers of the caller by name.
     """
@@ -174,8 +175,8 @@ def check(prepared: Prepared, own: dict[str, Any] | None = None) -> None:
                 raise ScenarioError(f"[trackers.{name}] handover: '{choice.handover}' does not estimate {lacking[0]}")
 
 
-def _told(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
-    """The law that flies, or the one that the file tells instead: absolute values (SI) or factors."""
+def assumed_law(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
+    """The law that a tracker assumes, and its origin: the law that flies, with the file's values (SI) or factors."""
     changes = {}
     fields = [field.name for field in dataclasses.fields(law) if not isinstance(getattr(law, field.name), str)]
     for key, value in choice.law.items():
@@ -185,7 +186,7 @@ def _told(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
             raise ScenarioError(f"[trackers.{name}.law] {key}: no such key; allowed: {names}")
         changes[attribute] = value * getattr(law, attribute) if key.endswith("_factor") else value
     try:
-        return dataclasses.replace(law, **changes), "told wrong" if changes else "autopilot"
+        return dataclasses.replace(law, **changes), MISMATCHED if changes else "autopilot"
     except ValueError as error:
         raise ScenarioError(f"[trackers.{name}.law] {error}") from None
 

@@ -1,4 +1,4 @@
-"""track(): every tracker of a scenario on the same flight and the same measurements, judged in comparison channels."""
+"""track(): every tracker of a scenario on the same flight and measurements, compared with the truth."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tracking.track import track as run_tracker
 
 
 class Tracked(NamedTuple):
-    """One tracker as it was set up, its record and what that had wrong."""
+    """One tracker as it was set up, its measurements, its track and its errors."""
 
     tracker: Any
     law_from: str | None
@@ -38,7 +38,7 @@ class Tracked(NamedTuple):
 
 
 class Watch(NamedTuple):
-    """A flight that is watched, and by whom: what all its trackers share."""
+    """A flight with the records of its sensors: what all its trackers share."""
 
     prepared: Prepared
     flight: Flight
@@ -56,14 +56,14 @@ def track(
 ) -> tuple[dict[str, Tracked], dict[str, Any]]:
     """Run the trackers of a scenario, and ``own`` trackers of the caller, over one recorded flight.
 
-    Returns the records and the figures of metrics.json. A tracker sees measurements, the law it is told and the
-    route; never the active leg, the phase or the true motion.
+    Returns the records and the figures of metrics.json. A tracker sees measurements, its assumed law and the route;
+    never the active leg, the phase or the true motion.
     """
     figures: dict[str, Any] = {}
     of_scenario = list(_of_scenario(prepared))
     watch = Watch(prepared, flight, records, {one.name: one.tracker for one in of_scenario}, number)
     every = {one.name: one for one in (*of_scenario, *_of_caller(prepared, records, own))}
-    heard = {  # what arrives after the flight comes too late
+    arrived = {  # what would arrive after the end of the flight is left out
         sensors: _between(measurements(records, sensors), -math.inf, float(flight.time[-1]))
         for sensors in dict.fromkeys(one.sensors for one in every.values())
     }
@@ -72,11 +72,11 @@ def track(
         figures[one.name] = {
             "kind": one.kind, "law_from": one.law_from, "overall": {}, "by_phase": {}, "conformance": None
         }  # fmt: skip
-        start = begins(prepared, one.name, one.sensors, heard[one.sensors], flight)
+        start = begins(prepared, one.name, one.sensors, arrived[one.sensors], flight)
         if start is not None:  # otherwise never in sight: n/a, not an error
             entries.append(Entry(*one, start))
     since = {
-        (sensors, start): _between(heard[sensors], start, math.inf)
+        (sensors, start): _between(arrived[sensors], start, math.inf)
         for sensors, start in dict.fromkeys((entry.sensors, entry.start) for entry in entries)
     }
     groups = sorted(_groups(entries), key=lambda group: (group[0].name in own, -_size(group)))
@@ -92,7 +92,7 @@ def track(
 
 
 class SetUp(NamedTuple):
-    """A tracker with all that it is given."""
+    """A tracker, its assumed law's origin and its sensors."""
 
     name: str
     kind: str
@@ -115,7 +115,7 @@ def _of_caller(prepared: Prepared, records: dict[str, SensorRecord], own: dict[s
 
 
 class Entry(NamedTuple):
-    """A tracker that has something to track: as it was set up, and since when."""
+    """A tracker that has measurements, and when its track begins."""
 
     name: str
     kind: str
@@ -127,7 +127,7 @@ class Entry(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What one tracker made of its measurements, light enough to be sent from process to process."""
+    """The track and figures of one tracker, small enough to be sent between processes."""
 
     track: Track
     curves: ErrorCurves
@@ -135,7 +135,7 @@ class Outcome(NamedTuple):
 
 
 def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Outcome]:
-    """What trackers that run as one made of a record, and what they had wrong."""
+    """Tracks and figures of trackers that run as one batch over a record."""
     flight, first = watch.flight, group[0]
     begun = _prior(watch, first.name, first.tracker, first.start)
     sensors = {name: watch.prepared.scenario.sensors[name] for name in first.sensors}
@@ -158,7 +158,7 @@ def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Ou
 def _judged(
     watch: Watch, entry: Entry, made: Track, errors: TrackerErrors, looked: dict[str, dict[str, float]]
 ) -> Outcome:
-    """One track with its figures and curves; ``looked`` is how far ahead it could be believed."""
+    """One track with its figures and curves; ``looked`` are the figures of its look-ahead."""
     seen = CONFORMANCE.watch(entry.tracker, made)
     figures = {
         "look_ahead": looked,
@@ -234,7 +234,7 @@ def _prior(watch: Watch, name: str, tracker: Any, start: float) -> Gaussian:
 
 
 def _handed_over(watch: Watch, name: str, wanted: tuple[str, ...], start: float) -> Gaussian | None:
-    """What tracker ``name`` believes at ``start`` by all that it heard before; None = it had heard nothing yet."""
+    """The estimate of tracker ``name`` at ``start`` from all measurements before; None = it had none yet."""
     tracker, sensors = watch.trackers[name], watch.prepared.scenario.trackers[name].sensors
     record = _between(measurements(watch.records, sensors), -math.inf, math.nextafter(start, -math.inf))
     begun = begins(watch.prepared, name, sensors, record, watch.flight)

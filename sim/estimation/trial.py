@@ -1,4 +1,4 @@
-"""A toy experiment for any class of tracker: what its contract, `tracking.contract`, is tried with."""
+"""A small experiment for any class of tracker, with which `tracking.contract` tests it."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ LEGS = [
 def maker(cls: type, kind: str = "it") -> Callable[[], Trial]:
     """What makes trials of a class, each the same, for `tracking.contract.broken_promises`.
 
-    The tracker stands in a small scenario, with the fewest of the catalogue's sensors with which it can be built; its
+    The tracker runs in a small scenario, with the fewest sensors of the catalogue that it can be built with; its
     parameters are its ``example``, else its defaults. Making raises ``ScenarioError`` where no sensors serve, and
     ``TrackerError`` where a member is missing.
     """

@@ -1,4 +1,4 @@
-"""Flights whose crew leaves the autopilot's law at stated times: what is flown instead, and when it showed."""
+"""Flights whose crew leaves the autopilot's law at stated times: what is flown instead, and from when."""
 
 from __future__ import annotations
 

@@ -31,8 +31,8 @@ def fly(
 ) -> Flight:
     """Fly one flight to its end.
 
-    ``vehicle`` and ``autopilot`` are begun here and stepped by turns: the autopilot sees the state, the vehicle flies
-    the command. With a ``navigator`` the autopilot sees the place that a tracker believes instead of the true one. A
+    ``vehicle`` and ``autopilot`` are started here and stepped in turn: the autopilot sees the state, the vehicle flies
+    the command. With a ``navigator`` the autopilot sees the position estimated by a tracker instead of the true one. A
     flight that diverges is an outcome with its time, never an exception. ``gate_height`` (m) goes into the record.
     """
     body = vehicle.begin(initial, wind)
@@ -114,7 +114,7 @@ def _as_seen(command: Command, state: AircraftState, seen: AircraftState) -> Com
 
 
 def _moved(now: AircraftState, before: AircraftState, seen: AircraftState) -> AircraftState:
-    """What is seen half a record later: the error of the sight is carried on."""
+    """The state that the autopilot sees half a record later: the estimation error is kept constant."""
     return now._replace(
         north=now.north + seen.north - before.north,
         east=now.east + seen.east - before.east,

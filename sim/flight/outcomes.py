@@ -1,4 +1,4 @@
-"""How a flight ends: the first of these that is met wins, and none of them is an exception."""
+"""How a flight ends: the first condition that is met decides, and none of them raises an exception."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Limits:
 
 
 class OutcomeMonitor:
-    """Watches one flight; called once per record, cheap, with what it must remember between records."""
+    """Watches one flight for its end; called once per record, it remembers what it needs between records."""
 
     def __init__(self, limits: Limits, route: Route) -> None:
         self.limits, self.route = limits, route

@@ -66,17 +66,17 @@ class Prepared:
 
     @property
     def controller(self) -> Approach | Departing:
-        """What flies: the autopilot, and from stated times on what it is left for."""
+        """The autopilot, and from the stated departure times on what is flown instead of it."""
         return departures.controller(self.autopilot, self.law_called, self.scenario.departures)
 
     @property
     def departure(self) -> float | None:
-        """When the law that trackers are told is first left, s; None = never."""
+        """When the law that trackers assume is first left, s; None = never."""
         return min((one.at for one in self.scenario.departures), default=None)
 
     @property
     def airframe(self) -> AirframeChoice:
-        """The aircraft that is loaded for it, where one is."""
+        """The aircraft model, its loading and its runway."""
         return _airframe(self.scenario)
 
     @property
@@ -94,8 +94,8 @@ class Prepared:
     def alternative_laws(self) -> tuple[Mode, ...]:
         """The laws that the autopilot could be switched to: of its other standard modes, as designed.
 
-        Modes that are not standard are not among them, so that a part brought in changes no scenario but those that
-        name it; nor are laws that those who watch could not tell by their name from one before.
+        Modes that are not standard are left out, so that a mode from outside changes no scenario but those that name
+        it; so are laws with the same intent as an earlier one, because a tracker could not tell them apart.
         """
         laws: dict[str, Mode] = {self.law.intent: self.law}
         for mode in self._modes.values():
@@ -109,7 +109,7 @@ class Prepared:
         return _case(self.scenario, self.designed, self.route)
 
     def law_called(self, name: str) -> Mode:
-        """The law of a mode by its kind or by its intent without the word "law"; as it flies, else as designed.
+        """The law of a mode, by its kind or by its intent without the word "law": the flown one, else as designed.
 
         Raises ``ValueError`` where no mode is called so.
         """
@@ -365,7 +365,7 @@ def _vehicle(scenario: Scenario, gains: Designed) -> Any:
 
 
 def _warnings(scenario: Scenario, aircraft: AircraftData) -> tuple[str, ...]:
-    """What the flight may do although the book advises against it."""
+    """Wind beyond the limits of the aircraft, and events that the model answers only in part: flown all the same."""
     north, east = scenario.wind.steady
     along, across = scenario.runway.from_local(north, east)
     told = []

@@ -1,4 +1,4 @@
-"""What flies: JSBSim under its inner loops, or the papers' point mass; both take the autopilot's commands."""
+"""What flies: JSBSim with inner loops, or the papers' point mass; both take the autopilot's commands."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Initial(NamedTuple):
 
 
 class AirframeChoice(NamedTuple):
-    """Which aircraft it is, how it is loaded, and where its runway lies: all that an airframe is made of."""
+    """What an airframe is built from: the aircraft model, its loading and the runway."""
 
     model: str | Path = "an26"
     mass: float | None = None  # kg; None = as the model says
@@ -53,7 +53,7 @@ class AirframeChoice(NamedTuple):
 
 
 class Vehicle(Protocol):
-    """Anything that flies a command; its state is passed, that of JSBSim is a handle used once."""
+    """Anything that flies a command. A state is passed to the next step; one of JSBSim may be used only once."""
 
     def begin(self, initial: Initial, wind: Wind) -> Any:
         """State at the start."""
@@ -147,7 +147,7 @@ def designed(
 ) -> Designed:
     """Trim and linearise an aircraft at the speeds of its configurations and design its loops and its route law.
 
-    ``speed`` (m/s) is that of intercepts, ``bank_limit`` (rad) that of the law, ``height`` (m) that of the trims.
+    ``speed`` (m/s) is flown on intercepts, ``bank_limit`` (rad) limits the law, ``height`` (m) is where it is trimmed.
     """
     airframe = choice.load()
     points = []
@@ -215,7 +215,7 @@ class PointMassVehicle:
     def step(
         self, state: tuple[PointMassState, Wind | None], command: Command, dt: float
     ) -> tuple[PointMassState, Wind | None]:
-        """Fly ``dt`` seconds in the air of its beginning."""
+        """Fly ``dt`` seconds in the wind that blew at the start."""
         body, wind = state
         moving = None if wind is None else wind.velocity(body.time, (body.north, body.east, body.height), body.airspeed)
         return self.body.step(body, command, dt, moving), wind

@@ -1,4 +1,4 @@
-"""The air of a scenario: what its [wind] table comes to, in motion and in words."""
+"""The air of a scenario: its [wind] table as motion of the air and in words."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from sim.scenario.tables import Runway, WindTable
 
 
 def air(table: WindTable, runway: Runway, noise: np.random.Generator | None = None) -> Wind:
-    """Everything that moves in one flight; without ``noise``, all of it but the turbulence."""
+    """The whole motion of the air in one flight; without ``noise``, all but the turbulence."""
     steady = SteadyWind(*table.steady)
     mean = steady if table.profile is None else ShearedWind(steady, table.tower, table.profile)
     turbulent = noise is not None and table.intensity > 0.0
@@ -30,7 +30,7 @@ def air(table: WindTable, runway: Runway, noise: np.random.Generator | None = No
 
 
 def words(scenario: Scenario) -> list[str]:
-    """What there is of wind, shear, turbulence and events, a phrase each."""
+    """Wind, shear, turbulence and events, one phrase for each that there is."""
     table = scenario.wind
     said = ["no steady wind"]
     if table.speed > 0.0:

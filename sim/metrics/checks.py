@@ -21,7 +21,7 @@ RATIOS = ("gain",)  # figures of a tracker's channel that are ratios, and are ca
 def evaluate_checks(
     checks: tuple[Check, ...], flight: Flight, runway: Runway, metrics: dict[str, Any]
 ) -> list[dict[str, Any]]:
-    """The result of every check, as it stands in metrics.json.
+    """The result of every check, as in metrics.json.
 
     A check whose phases were never flown has ``passed`` None; a scalar that the flight does not have fails.
     """
@@ -35,7 +35,7 @@ def evaluate_checks(
 def unknown_names(tables: dict[str, Any]) -> list[str]:
     """Faults of ``[[checks]]`` and ``[[study.checks]]`` that name a metric or a phase that no flight has.
 
-    ``tables`` are those of the file as it was read: whatever else is wrong with them is told by the reader.
+    ``tables`` are those of the file as it was read: any other fault of theirs is reported by the reader.
     """
     figures, study = table.names(), tables.get("study")
     faults = []
@@ -63,7 +63,7 @@ def with_examples(schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def _unknown(entry: dict[str, Any], metrics: tuple[str, ...]) -> list[str]:
-    """What one check names that there is not."""
+    """The metric or phases of one check that do not exist."""
     faults = []
     during, metric, phases = entry.get("during", ()), entry.get("metric"), (*PHASES, *EVERYWHERE)
     for phase in (during,) if isinstance(during, str) else during if isinstance(during, list | tuple) else ():
@@ -124,7 +124,7 @@ def _scalar(check: Check, metrics: dict[str, Any]) -> dict[str, Any]:
 
 
 def _found(table: Any, parts: list[str]) -> Any:
-    """What stands at a path of keys, which may hold points themselves (``radar.azimuth_deg``); None = nothing."""
+    """The value at a path of keys, which may contain dots themselves (``radar.azimuth_deg``); None = nothing."""
     if not parts:
         return table
     for count in range(len(parts), 0, -1) if isinstance(table, dict) else ():
@@ -135,7 +135,7 @@ def _found(table: Any, parts: list[str]) -> Any:
 
 
 def _figures(metric: str, metrics: dict[str, Any]) -> str:
-    """What could have been meant by a figure of a tracker."""
+    """Figures of a tracker that may have been meant, for "did you mean"."""
     trackers = metrics.get("trackers", {})
     name = metric.split(".")[1]
     if name not in trackers:
@@ -205,7 +205,7 @@ def phases(check: dict[str, Any]) -> str:
 
 
 def broken(check: dict[str, Any]) -> str:
-    """A check that one flight did not keep."""
+    """A check that one flight failed."""
     limit = with_unit(check["limit"], check)
     source = f"; source: {check['source'] or 'not given'}"
     if check["value"] is None:
@@ -220,7 +220,7 @@ def broken(check: dict[str, Any]) -> str:
 
 
 def broken_in_study(check: dict[str, Any]) -> str:
-    """A check that the flights of a study did not keep: how many did, the worst of them, and where it is."""
+    """A check that a study failed: how many flights passed it, and which was the worst."""
     limit = with_unit(check["limit"], check)
     kept = f"{check['name']}: {check['within']} of {check['flights']} flights keep {check['metric']}, limit {limit}"
     worst = None if check["value"] is None else with_unit(check["value"], check)

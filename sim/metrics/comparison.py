@@ -60,7 +60,7 @@ def with_unit(channel: str) -> str:
 
 
 def says_place(channel: str) -> bool:
-    """Whether a comparison channel says something of where the aircraft is."""
+    """Whether a comparison channel depends on where the aircraft is."""
     sensor, _, own = channel.rpartition(".")
     return not sensor or own in {with_unit(name) for name, quantity in QUANTITIES.items() if quantity.place}
 
@@ -71,7 +71,7 @@ def _exact(sensor: Any, truth: Truth, quantity: str) -> np.ndarray:
 
 
 def _off(quantity: str, value: np.ndarray, exact: np.ndarray) -> np.ndarray:
-    """Value minus truth, of an angle the shorter way round."""
+    """Value minus truth; angles wrapped to the shorter way round."""
     return np.asarray(wrap(value - exact) if quantity_of(quantity).wraps else value - exact)
 
 

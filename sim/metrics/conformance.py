@@ -1,10 +1,10 @@
-"""Does the aircraft follow the law that its tracker is told? Page's test on the mode probabilities of `intent_imm`.
+"""Does the aircraft follow the law that its tracker assumes? Page's test on the mode probabilities of `intent_imm`.
 
-At every look the tracker weighs its hypotheses anew, and the ratio of what the look did to those that follow the told
-law and to all others is a likelihood ratio. Page's test sums its logarithm since the sum was last in favour of the told
-law, and alarms where the sum exceeds the logarithm of the number of looks that shall at least pass between two false
-alarms on average: while the told law is flown as the tracker models it, they are that rare (Lorden 1971), and the bound
-is a wide one. An alarm stands until the told law is more probable than not; then the sum begins anew.
+Each look multiplies the odds of the hypotheses that do not follow the assumed law, against those that do, by a
+likelihood ratio. Page's test sums the logarithm of that ratio, never below zero, and raises an alarm where the sum
+exceeds the logarithm of the least mean number of looks between false alarms. While the assumed law is flown as the
+tracker models it, false alarms are at least that rare (Lorden 1971); the bound is a loose one. The alarm lasts until
+the assumed law is more probable than not; then the sum starts again from zero.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ import numpy as np
 from tracking.conformance import CONFORMANCE, Watched
 
 PERCENTILES = (5, 50, 95)
+MISMATCHED = "told wrong"  # `law_from` in metrics.json of a tracker whose assumed law is not the one that flies
 
 
 def foremost(tracked: dict[str, Any]) -> tuple[str, Watched] | None:
-    """The first tracker that has intents, one that is told the law that flies before others, with its test."""
-    for told_wrong in (False, True):
+    """Name and test of the first tracker with intents, those that assume the law that flies before mismatched ones."""
+    for mismatched in (False, True):
         for name, one in tracked.items():
-            if (one.law_from == "told wrong") is told_wrong:
+            if (one.law_from == MISMATCHED) is mismatched:
                 watched = CONFORMANCE.watch(one.tracker, one.track)
                 if watched is not None:
                     return name, watched
@@ -31,9 +32,10 @@ def foremost(tracked: dict[str, Any]) -> tuple[str, Watched] | None:
 
 
 def figures(watched: Watched | None, departure: float | None) -> dict[str, Any] | None:
-    """As in metrics.json; ``departure`` is when the told law was left, s, None = it was flown to the end.
+    """The table ``conformance`` of metrics.json; None where there was no test.
 
-    An alarm before the departure is a false one; delays are those of the draws in which there was no alarm then.
+    ``departure`` is when the assumed law was left, s, None = it was flown to the end. An alarm before it is a false
+    one; delays are over the draws that had no alarm at that time.
     """
     if watched is None:
         return None
@@ -46,7 +48,7 @@ def figures(watched: Watched | None, departure: float | None) -> dict[str, Any] 
     raised = np.isfinite(first)
     rows = np.searchsorted(time, first[raised])
     return {
-        "told": watched.told,
+        "told": watched.assumed,
         "looks_between_false_alarms": math.exp(watched.limit),
         "alarm_fraction": float(raised.mean()),
         "alarm_time_s": _percentiles(first[raised]),
@@ -73,19 +75,19 @@ def _percentiles(values: np.ndarray) -> dict[str, float] | None:
     return {f"p{p}": float(np.percentile(values, p)) for p in PERCENTILES}
 
 
-def told_in_words(name: str, found: dict[str, Any]) -> str:
+def conformance_sentence(name: str, found: dict[str, Any]) -> str:
     """One sentence on what a tracker's test found; ``found`` as in metrics.json."""
-    told = f"Conformance by {name}:"
+    head = f"Conformance by {name}:"
     share, time = found["alarm_fraction"], found["alarm_time_s"]
     if time is None:
         missed = "" if found["departure_s"] is None else f", although it was left at {found['departure_s']:.0f} s"
-        return f"{told} the {found['told']} is followed, no alarm{missed}"
+        return f"{head} the {found['told']} is followed, no alarm{missed}"
     believed = max(found["believed_at_alarm"].items(), key=lambda item: item[1] * (item[0] != found["told"]))[0]
     if found["departure_s"] is None:
-        return f"{told} the {found['told']} is followed; false alarms in {share:.1%} of the draws"
+        return f"{head} the {found['told']} is followed; false alarms in {share:.1%} of the draws"
     false = f", {found['false_alarm_fraction']:.1%} before" if found["false_alarm_fraction"] else ""
     delay = f"after {found['delay_s']['p50']:.0f} s (median)" if found["delay_s"] else "at once"
     return (
-        f"{told} the {found['told']} was left at {found['departure_s']:.0f} s; alarm {delay} in "
+        f"{head} the {found['told']} was left at {found['departure_s']:.0f} s; alarm {delay} in "
         f"{found['detected_fraction']:.0%} of the draws{false}; most likely: {believed}"
     )

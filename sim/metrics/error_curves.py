@@ -50,12 +50,12 @@ class ErrorCurves(NamedTuple):
     channels: dict[str, ChannelCurves]
     nis: np.ndarray  # (w,) mean normalised innovation squared per measured component
     nis_samples: np.ndarray  # (w,) how many measured components are behind each
-    sensors: frozenset[str]  # that the tracker heard
+    sensors: frozenset[str]  # whose measurements the tracker uses
     path: DrawnPath  # of draw 0
 
 
 def error_curves(flight: Flight, sensors: dict[str, Any], track: Track, errors: TrackerErrors) -> ErrorCurves:
-    """The curves of a track from its errors; ``sensors`` are those that the tracker heard.
+    """The curves of a track from its errors; ``sensors`` are those that it uses.
 
     Angles are among them where the tracker estimates them: an estimate of the place projected onto them is left to the
     tables.

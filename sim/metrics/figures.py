@@ -1,4 +1,4 @@
-"""What the rows of the metric table compute of one flight; None where there is nothing to say."""
+"""The functions behind the rows of the metric table; None where a figure does not apply to a flight."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LEAST = math.radians(1.0)  # of bank; less is no oscillation
 
 
 class Navigation(NamedTuple):
-    """How good the estimate was that an aircraft was flown on; None where it cannot be said."""
+    """How good the estimate was that an aircraft was flown on; None where it is not known."""
 
     error_rms: float | None = None  # m, across the leg
     rate_lag: float | None = None  # s, of the estimated rate across the leg behind the true one
@@ -102,7 +102,7 @@ def _rms(values: np.ndarray) -> float | None:
 
 
 def normal_acceleration(flight: Flight, context: Context) -> np.ndarray:
-    """Acceleration along the lift beyond what carries the weight, m/s2."""
+    """Acceleration along the lift in excess of that which carries the weight, m/s2."""
     return np.asarray(STANDARD_GRAVITY * (flight.state.load_factor[2] - 1.0))
 
 
@@ -188,8 +188,8 @@ def of_navigation(value: Callable[[Navigation], float | None]) -> Callable[[Flig
 def bank_cycle(flight: Flight) -> tuple[float, float | None]:
     """Amplitude (rad) of the bank that persisted for the last minute, and its period (s), None without an oscillation.
 
-    The amplitude is half the way from peak to peak, in that one of the last two minutes in which it is smaller: what
-    fades does not persist.
+    The amplitude is half the way from peak to peak, the smaller of those of the last two minutes, so that an
+    oscillation that dies out does not count.
     """
     left, bank = flight.time[-1] - flight.time, flight.state.bank
     minutes = [bank[left < LASTING], bank[(left >= LASTING) & (left <= 2.0 * LASTING)]]

@@ -1,4 +1,4 @@
-"""Figures of flights as they stand in metrics.json: units in the names, null where there is nothing to say."""
+"""Figures of flights as in metrics.json: units in the names, null where a figure does not apply."""
 
 from __future__ import annotations
 
@@ -39,18 +39,18 @@ def navigated_figures(flight: Flight, context: Context) -> dict[str, float | Non
 
 
 def value(row: table.Metric, flight: Flight, context: Context) -> float | None:
-    """A row's figure of a flight; what is not finite is absent."""
+    """A row's figure of a flight; None where it is not finite."""
     found = row.of(flight, context)
     return float(found) if found is not None and math.isfinite(found) else None
 
 
 def any_value(figures: dict[str, float | None]) -> bool:
-    """Whether anything is said in a nested table."""
+    """Whether a nested table has any value."""
     return any(figure is not None for figure in figures.values())
 
 
 def figure(figures: dict[str, Any] | None, name: str) -> Any:
-    """What the ``flight`` part of metrics.json says under a name of the metric table; None = nothing."""
+    """A figure by its name in the metric table, from the ``flight`` part of metrics.json; None = absent."""
     nested, _, own = name.rpartition(".")
     inner = (figures or {}).get(nested) if nested else figures
     return (inner or {}).get(own)
@@ -59,7 +59,7 @@ def figure(figures: dict[str, Any] | None, name: str) -> Any:
 def summarise(flights: list[dict[str, Any]]) -> dict[str, Any]:
     """Outcome counts and percentiles of every figure over several flights.
 
-    Without those of the estimate that they were flown on, which are known of flight 0 only.
+    Figures of the estimate that they were flown on are left out: they are known for flight 0 only.
     """
     outcomes: dict[str, int] = {}
     for flight in flights:

@@ -1,8 +1,8 @@
 """How good the estimate was that an aircraft was flown on, and why a flight on it ended where it should not.
 
-A flight that a tracker navigates ends badly in one of three ways. The tracker is lost, and the autopilot keeps a place
-to a line on which the aircraft is not. Its rate comes later than the law tolerates, and the aircraft swings about its
-line. Or its noise shakes the aircraft more than the gate lets pass.
+A flight that a tracker navigates ends badly in one of three ways. The tracker is lost, and the autopilot keeps the
+estimate on the line, but not the aircraft. Its cross-track rate lags more than the law tolerates, and the aircraft
+oscillates about its line. Or its noise moves the aircraft more than the stabilised-approach gate allows.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SWINGING = 0.1  # of the time at the bank limit, at least, is a cycle and no cor
 def navigation_quality(
     prepared: Prepared, flight: Flight, track: Track | None, judged: dict[str, Any]
 ) -> dict[str, Any] | None:
-    """As in metrics.json; None for a flight that was flown on the truth.
+    """The table ``navigated`` of metrics.json; None for a flight that was flown on the truth.
 
     ``judged`` are the tracker's figures. The lag is that of the estimated rate across the leg behind the true one, by
     least squares over the acceleration; it and what the law tolerates are None for a tracker of a height.
@@ -66,7 +66,7 @@ def _quality(
 
 
 def beside(figures: dict[str, Any]) -> list[tuple[str, Any, Any]]:
-    """(figure, on the estimate, on the truth) of a navigated flight whose twin was flown on the truth."""
+    """(figure, on the estimate, on the truth) of a navigated flight and the same flight flown on the truth."""
     twin = (figures.get("navigated") or {}).get("on_truth")
     return [(name, figure(figures, name), figure(twin, name)) for name in BESIDE] if twin else []
 

@@ -1,4 +1,4 @@
-"""The table of signals: what can be asked of a flight at every instant; checks, figures and metrics read these."""
+"""The table of signals: quantities of a flight over time, which checks, figures and metrics read."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""The metric table: every scalar figure of a flight, each in one row, from which all that uses it follows.
+"""The metric table: one row for each scalar figure of a flight, read by everything that uses the figure.
 
-A row makes its figure stand in the ``flight`` part of metrics.json, in the percentiles over several flights, in the
-rows of a study and in its export; ``[[checks]]``, ``[[study.checks]]`` and the search for a limit accept its name; the
-reports show it under its label with its digits and its unit. Nothing else knows its name.
+A row puts its figure into the ``flight`` part of metrics.json, the percentiles over several flights, the rows of a
+study and its export; ``[[checks]]``, ``[[study.checks]]`` and the search for a limit accept its name; the reports show
+it under its label with its digits and its unit. Nothing else knows its name.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Metric(NamedTuple):
     """One scalar figure of a flight, and its contract."""
 
     name: str
-    """Key in metrics.json and in checks: lower case, ends in ``_UNIT``; ``table.name`` stands in a nested table."""
+    """Key in metrics.json and in checks: lower case, ends in ``_UNIT``; ``table.name`` is in a nested table."""
 
     unit: str
     """Unit suffix (``m``, ``deg``, ``mps``, ...) of the value, of its limits and of the name; "" = a plain number."""

@@ -17,7 +17,7 @@ from tracking.track import Measurements, Track
 
 
 class TrackerErrors(NamedTuple):
-    """What a tracker and the measurements that it was given had wrong, by comparison channel."""
+    """Errors of a tracker and of the measurements that it was given, by comparison channel."""
 
     truth: Truth  # at the epochs
     estimates: dict[str, Compared]
@@ -27,14 +27,14 @@ class TrackerErrors(NamedTuple):
 def plot_errors(
     flight: Flight, sensors: dict[str, Any], chart_height: float, record: Measurements
 ) -> dict[str, Compared]:
-    """Errors of measurements in the order in which they arrived; a plot is judged when it was true."""
+    """Errors of measurements in order of arrival; a plot is compared with the truth at the time it was taken."""
     order = np.argsort(record.arrival, kind="stable")
     taken = truth_at(flight, record.time[order])
     return comparison.raw(flight, taken, record.channels, record.z[order], sensors, chart_height)
 
 
 def tracker_errors(flight: Flight, sensors: dict[str, Any], track: Track, plots: dict[str, Compared]) -> TrackerErrors:
-    """Errors of estimates, each judged at its epoch; ``sensors`` are those that the tracker heard."""
+    """Errors of estimates, each at its epoch; ``sensors`` are those that the tracker uses."""
     truth = truth_at(flight, track.time)
     cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
     return TrackerErrors(truth, comparison.compare(flight, truth, track.channels, track.mean, cov, sensors), plots)

@@ -1,4 +1,4 @@
-"""What wind shear takes from an aircraft, the F-factor of a flight or a path, and the reserve of power against it."""
+"""Wind shear: the F-factor of a flight or a path, and the aircraft's reserve of climb against it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def averaged_f_factor(flight: Flight) -> np.ndarray:
 
 
 def worst_on_the_glide_path(event: WindEvent, runway: Runway, airspeed: float, height: float) -> float:
-    """Greatest F-factor over a kilometre of the glide path below ``height`` (m) that a standing event brings.
+    """Greatest F-factor over a kilometre of the glide path below ``height`` (m) due to a stationary event.
 
     The wind is taken small beside the airspeed, so the result is proportional to the strength of the event.
     """
@@ -68,7 +68,7 @@ def worst_on_the_glide_path(event: WindEvent, runway: Runway, airspeed: float, h
 
 
 def outlook(prepared: Prepared) -> list[str]:
-    """A sentence for each event that stands on an approach: what it takes, and what full power has against it."""
+    """A sentence for each event along the approach: its F-factor, and the reserve of climb at full power."""
     scenario, landing = prepared.scenario, prepared.autopilot.landing
     standing = {name: event.standing() for name, event in scenario.wind.events.items()}
     if landing is None or all(event is None for event in standing.values()):
@@ -92,7 +92,7 @@ def outlook(prepared: Prepared) -> list[str]:
 def steepest_climb(prepared: Prepared) -> float:
     """Sine of the steepest steady climb at approach speed with landing flaps and gear down: (thrust - drag) / weight.
 
-    Raises ``TrimError`` where the aircraft has no state at all that holds its glide path.
+    Raises ``TrimError`` where the aircraft has no steady state on its glide path.
     """
     landing = prepared.autopilot.landing
     assert landing is not None

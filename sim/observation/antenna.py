@@ -1,4 +1,4 @@
-"""Where an antenna stands and what it sees: slant range, azimuth from its own zero, elevation."""
+"""Where an antenna is and what it measures: slant range, azimuth from its own zero, elevation."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def zero_azimuth_of(sensor: Any) -> float:
 
 
 def no_outline(sensor: Any) -> tuple[tuple[float, float], ...]:
-    """That of a sensor without limits on the ground: its ``outline``."""
+    """The ``outline`` of a sensor whose coverage on the ground has no limits."""
     return ()
 
 
@@ -58,7 +58,7 @@ def polar(position: Any, antenna: tuple[float, float, float], zero: float) -> tu
 
 
 class Sampling(NamedTuple):
-    """The state of a sensor that carries nothing but its noise from step to step."""
+    """The state of a sensor that keeps nothing but its noise from step to step."""
 
     epoch: float  # s, of the next look
     noise: Rows
@@ -67,7 +67,7 @@ class Sampling(NamedTuple):
 def looks_until(state: S, period: float, until: float, look: Callable[[float], Look | None]) -> tuple[S, list[Look]]:
     """The looks at all epochs up to ``until``, and the state with the epoch after; a look that is None is not made.
 
-    ``state`` has a field ``epoch``, the next one; the period need not fit any other step.
+    ``state`` has a field ``epoch``, the next one; the period need not be a multiple of any other step.
     """
     own: Any = state
     epoch, looks = own.epoch, []
@@ -107,7 +107,7 @@ def at_least_a_step(period: float, name: str = "period") -> None:
 
 
 def positive(instance: Any, *names: str) -> None:
-    """Refuse parameters that are not above zero; None is a parameter that is not used."""
+    """Refuse parameters that are not above zero; None = not used."""
     for name in names:
         value = getattr(instance, name)
         if value is not None and not value > 0:

@@ -1,4 +1,4 @@
-"""observe(): sensors watch a recorded flight by the very steps that they take in the loop."""
+"""observe(): sensors measure a recorded flight with the same steps as in the closed loop."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tracking.track import Measurements
 
 
 class SensorRecord(NamedTuple):
-    """All looks of one sensor at one flight."""
+    """All measurements of one flight by one sensor."""
 
     channels: tuple[str, ...]
     time: np.ndarray  # (k,) s
@@ -65,7 +65,7 @@ def _watch(flight: Flight, name: str, sensor: Any, streams: Streams) -> SensorRe
 def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> Measurements:
     """The looks of several sensors at the union of their epochs, NaN where a sensor was silent.
 
-    Candidates are those of a sensor that is alone: which plots of several sensors belong together is not asked here.
+    Candidates are given for a single sensor only: plots of several sensors are not associated with each other here.
     """
     chosen = [(name, records[name]) for name in sensors]
     channels = tuple(f"{name}.{channel}" for name, record in chosen for channel in record.channels)

@@ -1,4 +1,4 @@
-"""The contract of a sensor: what it measures, where it stands, and what it gives between two records of a flight.
+"""The contract of a sensor: what it measures, where it is, and its looks between two records of a flight.
 
 A kind of sensor is one file of ``sim/observation/sensors`` with one frozen dataclass that has all members of `Sensor`.
 The file's name is the ``kind`` of ``[sensors.NAME]``, its fields are the other keys, in SI and with their unit in the
@@ -115,7 +115,7 @@ class Sensor(Protocol):
 
     @property
     def antenna(self) -> tuple[float, float, float] | None:
-        """(north, east, height) m, from where range, azimuth and elevation are counted; None = it stands nowhere."""
+        """(north, east, height) m, from where range, azimuth and elevation are counted; None = it has no antenna."""
         ...
 
     @property

@@ -1,4 +1,4 @@
-"""What the replay in the page moves through: the flight, the measurements as they arrived, the estimates of draw 0."""
+"""Data of the replay in the page: the flight, the measurements as they arrived, the estimates of draw 0."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.flight.record import Flight
-from sim.metrics.conformance import foremost, told_in_words
+from sim.metrics.conformance import conformance_sentence, foremost
 from sim.reporting.figures.flight import charts
 from sim.reporting.figures.measurements import measurement_charts
 from sim.reporting.page import rendered, text_of
@@ -73,7 +73,7 @@ def write(
     page = rendered(
         "report.html",
         **first_screen(scenario, flight, metrics, shown),
-        conformance=told_in_words(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
+        conformance=conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
         charts=[*flight_charts(), *measurement_charts(flight, scenario.sensors, records)],
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
         events=event_rows(flight),

@@ -23,7 +23,7 @@ from sim.scenario.tables import (
 
 @dataclass(frozen=True)
 class TrackerChoice:
-    """One tracker of a scenario: its kind, what it listens to, who hands over, and the law it is told."""
+    """One tracker of a scenario: its kind, what it listens to, who hands over, and the law it assumes."""
 
     kind: str
     cls: type[Any]  # of that kind

@@ -286,7 +286,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Departure:
-    """From a time on the bank follows something else than the law of the autopilot, and no tracker is told.
+    """From a time on the bank follows something else than the law of the autopilot, and no tracker knows.
 
     ``flies``: the "beacon" law, the "route" law (again) or that of any mode by its kind, a "bank" that is held by hand,
     or the law of the autopilot about a line beside the leg ("offset").

@@ -30,7 +30,7 @@ OUTCOME_COLOURS = {
 
 
 class Scale(NamedTuple):
-    """An axis of a figure: where its values stand and what is written there."""
+    """An axis of a figure: positions of its values and their labels."""
 
     label: str
     at: np.ndarray
@@ -75,7 +75,7 @@ def _draw(axes: Any, lines: Sequence[Line]) -> None:
 
 
 def scale(address: str, values: Sequence[Any]) -> Scale:
-    """Numbers where they are, words one beside the other."""
+    """Numbers at their value, words evenly spaced."""
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
         return Scale(label(address), np.array(values, float), None)
     return Scale(label(address), np.arange(len(values), dtype=float), tuple(map(str, values)))

@@ -1,7 +1,7 @@
 """Flights of a study kept in its folder, so that cells that differ in sensors, trackers or checks share them.
 
-A kept flight is named by a hash of all that decides it, and carries a digest of itself: one that is damaged, or is not
-the one asked for, is not there. To keep a flight is a favour: a disk without room costs the favour only.
+The file of a flight is named by a hash of all that decides it and contains its own digest: a damaged or foreign file
+counts as absent. The cache is optional: on a full disk flights are not kept, and nothing else changes.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ PACKAGES = ("aircraft", "autopilot", "tracking", "sim")
 
 
 def shared(prepared: Prepared) -> bool:
-    """Whether cells can share this flight: trackers watch it, and none of them flies it."""
+    """Whether cells can share this flight: it has trackers, and none of them navigates it."""
     return bool(prepared.scenario.trackers) and prepared.scenario.autopilot.navigation == "truth"
 
 
 def key(prepared: Prepared, number: int) -> str:
     """Hash of all that decides a flight: resolved tables, seed, number, aircraft, versions, our own code and others'.
 
-    A part from outside that only watches is among them: what its file does when it is imported nobody knows.
+    Parts from outside count even if they are only sensors or trackers: importing their file may change anything.
     """
     scenario = prepared.scenario
     tables = {name: table for name, table in scenario.tables.items() if name not in WITHOUT}
@@ -58,7 +58,7 @@ def _code() -> str:
 
 @functools.lru_cache(maxsize=4)
 def _model(name: str) -> str:
-    """Files of a model; those that it takes from JSBSim are told by its version."""
+    """Files of a model; those that come with JSBSim are identified by its version."""
     if name == "point_mass":
         return ""
     home = model_folder(name)
@@ -73,7 +73,7 @@ def _digest(paths: Iterable[Path]) -> str:
 
 
 def load(cache: Path, name: str, prepared: Prepared) -> Flight | None:
-    """The kept flight of this name; None where there is none, and where there is anything but it."""
+    """The kept flight of this name; None where there is none, or the file is not a whole record of it."""
     path = cache / f"{name}{ENDING}"
     try:
         digest, payload = _parted(path.read_bytes())
@@ -151,7 +151,7 @@ def _has_room(cache: Path, size: int) -> bool:
 
 
 def prune(cache: Path, since: float) -> None:
-    """Drop what no flight since ``since`` (s of the file system) has asked for, and what crashes left half written."""
+    """Delete files not used since ``since`` (s of the file system), and files that a crash left half written."""
     for path in cache.iterdir() if cache.is_dir() else ():
         with contextlib.suppress(OSError):
             if path.suffix == ".partial" or path.stat().st_mtime < since:

@@ -1,4 +1,4 @@
-"""The folder of a study: whose it is, its append-only log of flights, and files that are whole or absent."""
+"""The folder of a study: its identity, its append-only log of flights, and files that are whole or absent."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def open_study(folder: Path, text: str, seed: int, anew: bool = False, parts: It
     if begun and (theirs := _identity_of(folder)) != mine:
         raise OutputError(f"{folder}: holds {_difference(theirs, mine)}; choose another folder with -o, or --anew")
     claim(folder, "study")
-    with _told(folder):
+    with _write_errors(folder):
         flights_of(folder).mkdir(parents=True, exist_ok=True)
-    with locked(folder), _told(folder):
+    with locked(folder), _write_errors(folder):
         if not begun:
             for name in (LOG, *RESULTS):
                 (folder / name).unlink(missing_ok=True)
@@ -48,7 +48,7 @@ def open_study(folder: Path, text: str, seed: int, anew: bool = False, parts: It
 
 
 def flights_of(folder: Path) -> Path:
-    """Where flights are kept that cells share."""
+    """The folder of the flights that cells share."""
     return folder / "cache" / "flights"
 
 
@@ -58,7 +58,7 @@ def begun(folder: Path) -> float:
 
 
 def check_parts(folder: Path, catalogue: Catalogue) -> None:
-    """Refuse to go on with a study whose parts from outside are not here, or are others: no folder brings code."""
+    """Refuse to go on with a study whose parts from outside are missing or have changed: a folder holds no code."""
     for address, digest in _identity_of(folder).get("versions", {}).get("parts", {}).items():
         try:
             part = catalogue.named(*address.split(".", 1))
@@ -71,7 +71,7 @@ def check_parts(folder: Path, catalogue: Catalogue) -> None:
 
 
 def check_study(folder: Path, seed: int, anyway: bool = False, parts: Iterable[Part] = ()) -> None:
-    """Refuse to go on with a study that something else began, unless told to go on ``anyway``."""
+    """Refuse to go on with a study begun with other versions, unless ``anyway``."""
     theirs, mine = _identity_of(folder), identity(read_scenario(folder), seed, parts)
     if theirs != mine and not anyway:
         raise OutputError(f"{folder}: holds {_difference(theirs, mine)}; resume it with --anyway to go on all the same")
@@ -103,7 +103,7 @@ def _are_versions(found: Any) -> bool:
 
 
 def _difference(theirs: dict[str, Any], mine: dict[str, Any]) -> str:
-    """What stands in the folder, in words."""
+    """How the study in the folder differs, in words."""
     if theirs.get("seed") != mine["seed"]:
         return f"a study with seed {theirs.get('seed')}, not {mine['seed']}"
     if theirs.get("scenario") != mine["scenario"]:
@@ -117,7 +117,7 @@ def _difference(theirs: dict[str, Any], mine: dict[str, Any]) -> str:
 @contextlib.contextmanager
 def locked(folder: Path) -> Iterator[None]:
     """Only one process at a time works in a study folder; the lock dies with its holder."""
-    with _told(folder):
+    with _write_errors(folder):
         handle = os.open(folder / "cache" / "lock", os.O_RDWR | os.O_CREAT, 0o644)
     try:
         try:
@@ -130,12 +130,12 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def line(record: dict[str, Any]) -> str:
-    """One record as it stands in the log."""
+    """One record as a line of the log."""
     return json.dumps(plain(record), sort_keys=True, allow_nan=False, separators=(",", ":")) + "\n"
 
 
 def read_log(folder: Path) -> list[dict[str, Any]]:
-    """The records of finished flights; a last line that is torn, by a crash or because it is being written, is not."""
+    """The records of finished flights; an incomplete last line, from a crash or still being written, is left out."""
     path = folder / LOG
     try:
         return [json.loads(text) for text in _whole_lines(path).split(b"\n") if text]
@@ -144,15 +144,15 @@ def read_log(folder: Path) -> list[dict[str, Any]]:
 
 
 def mend_log(folder: Path) -> None:
-    """Cut a last line off that was torn by a crash; only for who holds the lock."""
+    """Cut off a last line that a crash left incomplete; the caller must hold the lock."""
     path = folder / LOG
-    with _told(folder):
+    with _write_errors(folder):
         if path.exists():
             os.truncate(path, len(_whole_lines(path)))
 
 
 def _whole_lines(path: Path) -> bytes:
-    with _told(path.parent):
+    with _write_errors(path.parent):
         whole, newline, _ = path.read_bytes().rpartition(b"\n") if path.exists() else (b"", b"", b"")
     return whole + newline
 
@@ -160,12 +160,12 @@ def _whole_lines(path: Path) -> bytes:
 @contextlib.contextmanager
 def appending(folder: Path) -> Iterator[Callable[[dict[str, Any]], None]]:
     """A function that adds a record to the log; what it wrote is on the disk when it returns."""
-    with _told(folder):
+    with _write_errors(folder):
         handle = os.open(folder / LOG, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
     try:
 
         def append(record: dict[str, Any]) -> None:
-            with _told(folder):
+            with _write_errors(folder):
                 data = line(record).encode()
                 while data:
                     data = data[os.write(handle, data) :]
@@ -177,8 +177,8 @@ def appending(folder: Path) -> Iterator[Callable[[dict[str, Any]], None]]:
 
 
 @contextlib.contextmanager
-def _told(folder: Path) -> Iterator[None]:
-    """A full or read-only disk in one sentence; what was finished stays."""
+def _write_errors(folder: Path) -> Iterator[None]:
+    """Report a full or read-only disk in one sentence; finished flights stay."""
     try:
         yield
     except OSError as error:

@@ -1,4 +1,4 @@
-"""One flight of a study, in a worker or anywhere: resolved tables in, a plain record out."""
+"""One flight of a study, in any process: resolved tables in, a plain record out."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CRASHED = "crashed"  # the outcome of a flight that could not be flown to any en
 
 
 class Job(NamedTuple):
-    """One flight: which it is, and the tables and the number that say everything about it."""
+    """One flight: its place in the study, and the tables and the number that determine it."""
 
     cell: int
     sample: int
@@ -51,7 +51,7 @@ def _evaluated(job: Job, prepared: Prepared) -> dict[str, Any]:
 
 
 def lost(job: Job, reason: str) -> dict[str, Any]:
-    """The record of a flight that gave nothing."""
+    """The record of a flight without a result."""
     return _record(job, {"outcome": CRASHED, "reason": reason}, [])
 
 
@@ -75,7 +75,7 @@ def _record(job: Job, metrics: dict[str, Any], checks: list[dict[str, Any]]) -> 
 
 @functools.lru_cache(maxsize=1)
 def _prepared(tables: str, drawn: str, parts: tuple[Part, ...]) -> Prepared:
-    """Flights of one sample come in a row and share their preparation."""
+    """The preparation, shared by the flights of one sample, which come one after another."""
     scenario = experiment.read(with_values(json.loads(tables), json.loads(drawn)), plugins=parts)
     if not scenario.trackers:
         scenario = dataclasses.replace(scenario, sensors={})  # nobody listens to them

@@ -27,7 +27,7 @@ def study_metrics(
     checks: Sequence[Check],
     study_checks: Sequence[StudyCheck],
 ) -> dict[str, Any]:
-    """Axes, rows and checks, as they stand in metrics.json; ``records`` sorted by cell, sample and flight."""
+    """Axes, rows and checks, as in metrics.json; ``records`` sorted by cell, sample and flight."""
     cells: dict[int, list[dict[str, Any]]] = {}
     for record in records:
         cells.setdefault(record["cell"], []).append(record)
@@ -43,14 +43,14 @@ def study_metrics(
 
 
 def describe(axis: Axis) -> dict[str, Any]:
-    """An axis as it stands in metrics.json."""
+    """An axis as in metrics.json."""
     if isinstance(axis, Listed):
         return {"values": list(axis.values)}
     return {axis.distribution: [axis.first, axis.second]}
 
 
 def outcomes(records: Sequence[dict[str, Any]]) -> dict[str, int]:
-    """How many flights ended how."""
+    """Number of flights for each outcome."""
     counts: dict[str, int] = {}
     for record in records:
         outcome = record["metrics"]["outcome"]

@@ -1,4 +1,4 @@
-"""What a study flies: its axes, every cell with its gains, the samples that all cells share."""
+"""Plan of a study: its axes, every cell with its gains, the samples that all cells share."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def _faults(
 
 
 def _said(line: str) -> str:
-    """A fault without the name of the file that nobody wrote."""
+    """A fault without the name of the temporary scenario."""
     return line.removeprefix("scenario: ").removeprefix("--set ")
 
 

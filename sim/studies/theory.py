@@ -1,4 +1,4 @@
-"""What theory says about a map before anything is flown: the borders that its figures draw."""
+"""What theory predicts for a map before anything is flown: limits, drawn as lines over the map."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def _route_law_needed(scenario: Scenario) -> str:
     try:
         law = scenario.modes[scenario.mode].designed(scenario.law, case)
     except ValueError:
-        return ""  # what is wrong with its own numbers is told when it is designed
+        return ""  # faults of its own numbers are reported when it is designed
     if LateralNavigation.of(law) is not None:
         return ""
     return f"a law of the cross-track and its rate, such as 'lateral_navigation', not '{scenario.mode}'"
@@ -149,7 +149,7 @@ def gain_lines(scenario: Scenario, x: np.ndarray, y: np.ndarray) -> tuple[Line, 
 
 
 def gain_figures(scenario: Scenario, share: float, bank: float) -> dict[str, float | None]:
-    """Amplitude and period of the bank in the cycle that an aircraft at rest beside the line is caught by."""
+    """Amplitude and period of the bank in the limit cycle that an aircraft starting beside the line ends in."""
     limited = _limited_loop(scenario, bank)
     law = law_of_frequency(share * limited.loop.bandwidth, limited.loop.speed, limited.bank_limit)
     cycle = caught(limited, law, abs(scenario.start.cross_track))

@@ -1,6 +1,6 @@
 """Flights on a cluster: dask.distributed behind the three calls of an executor.
 
-Whoever can reach the ports of a cluster can run code on it, and on whoever listens to it. So an address on another
+Anyone who can reach the ports of a cluster can run code on it and on its clients. So an address on another
 machine is used only with TLS, or when the user insists.
 """
 
@@ -31,7 +31,7 @@ FLYING = threading.Lock()  # of a worker process: flights share it with no other
 
 
 class Refused(NamedTuple):
-    """What a worker says that must not fly."""
+    """The answer of a worker that would compute other numbers."""
 
     reason: str
 
@@ -40,7 +40,7 @@ class Refused(NamedTuple):
 class ClusterExecutor:
     """Workers of a cluster, one job each at a time, so that a worker that dies takes no other job with it.
 
-    Jobs of workers that die are run again by the scheduler; one that hangs is lost, and its worker started anew.
+    Jobs of workers that die are run again by the scheduler; one that hangs is lost, and its worker restarted.
     """
 
     client: Any
@@ -57,7 +57,7 @@ class ClusterExecutor:
         """Results as they end."""
         absent = None
         while self._waiting or self._running:
-            with self._told():
+            with self._lost_scheduler():
                 threads = sum(self.client.nthreads().values())
             absent = None if threads else absent or time.monotonic()
             if absent is not None and time.monotonic() - absent > PATIENCE:
@@ -71,7 +71,7 @@ class ClusterExecutor:
             yield from self._overdue()
 
     def close(self) -> None:
-        """Take back all that still runs and leave the cluster."""
+        """Cancel all jobs that still run and disconnect."""
         self._waiting.clear()
         if self.client.status == "running":
             self.client.cancel(list(self._running), force=True)
@@ -79,7 +79,7 @@ class ClusterExecutor:
         self.client.close()
 
     def _start(self, job: Job) -> None:
-        with self._told():
+        with self._lost_scheduler():
             future = self.client.submit(_run, numerics(), job.function, *job.arguments, pure=False)
         self._running[future] = job, time.monotonic()
 
@@ -90,7 +90,7 @@ class ClusterExecutor:
         if not self._running:
             time.sleep(0.1)
             return []
-        with self._told():
+        with self._lost_scheduler():
             try:
                 return list(wait(list(self._running), timeout=1.0, return_when="FIRST_COMPLETED").done)
             except TimeoutError:
@@ -100,14 +100,14 @@ class ClusterExecutor:
         """The result of a job, or ``Lost``."""
         from distributed.scheduler import KilledWorker
 
-        with self._told():
+        with self._lost_scheduler():
             error = future.exception()
             result = future.result() if error is None else None
         if isinstance(result, Refused):
             raise OutputError(f"cluster {self.address}: {result.reason}; finished flights are kept")
         if isinstance(error, OutputError):  # about the worker, not about the flight
             raise OutputError(f"cluster {self.address}: {error}; finished flights are kept")
-        if isinstance(error, KilledWorker):  # the scheduler has tried it again as often as it is told to
+        if isinstance(error, KilledWorker):  # the scheduler has tried it again as often as it is configured to
             return Lost(f"its worker process died {error.allowed_failures + 1} times")
         if isinstance(error, MemoryError):
             return Lost("out of memory")
@@ -118,15 +118,15 @@ class ClusterExecutor:
         now = time.monotonic()
         for future in [one for one, (_, since) in self._running.items() if now - since > self.time_limit]:
             job, _ = self._running.pop(future)
-            with self._told():
+            with self._lost_scheduler():
                 stuck = [worker for worker, keys in self.client.processing().items() if future.key in keys]
                 self.client.cancel([future], force=True)
                 self.client.restart_workers(stuck, raise_for_error=False)
             yield job.number, Lost(f"no answer for {self.time_limit:g} s")
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
-        """A scheduler that went away in one sentence; no error of a job passes here."""
+    def _lost_scheduler(self) -> Iterator[None]:
+        """Report a scheduler that is gone in one sentence; the errors of jobs do not pass through here."""
         try:
             yield
         except (OSError, CancelledError, TimeoutError):
@@ -166,7 +166,7 @@ def connect(address: str, insecure: bool = False) -> ClusterExecutor:
     except ImportError:
         raise OutputError("--cluster needs dask.distributed: pip install 'shortfinal[cluster]'") from None
     for name in ("distributed", *(one for one in logging.root.manager.loggerDict if one.startswith("distributed."))):
-        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is told in our own words
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters we report ourselves
     security = _security(distributed, address) if where.startswith("tls:") else None
     try:
         client = distributed.Client(where, timeout=ANSWER, security=security)
@@ -182,7 +182,7 @@ def connect(address: str, insecure: bool = False) -> ClusterExecutor:
 
 
 def _checked(address: str, insecure: bool) -> str:
-    """The address with its scheme, once somebody listens there."""
+    """The address with its scheme, once a server listens there."""
     text = address if "://" in address else f"tcp://{address}"
     form = f"cluster {address}: write the address of its scheduler as HOST:PORT, tcp://HOST:PORT or tls://HOST:PORT"
     try:

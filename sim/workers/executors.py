@@ -1,7 +1,7 @@
 """Where the flights of a study are flown: one interface of three calls, and worker processes on this machine.
 
-An executor takes jobs, gives back each one as it ends in whatever order, and is closed. A job that is lost (its worker
-aborted, hung or ran out of memory) comes back as ``Lost`` and costs nothing but itself.
+An executor takes jobs, returns each result as it ends, in any order, and is closed. A job that is lost (its worker
+aborted, hung or ran out of memory) returns ``Lost``; other jobs go on.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ class Executor(Protocol):
         ...
 
     def close(self) -> None:
-        """End all that still runs; the jobs left are forgotten."""
+        """Stop all running jobs; those not started are dropped."""
         ...
 
 
 def prepare_worker(memory_limit: int | None) -> None:
-    """What every worker does first: Ctrl-C is the parent's affair, and memory has an end where one is given."""
+    """What every worker does first: leave Ctrl-C to the parent, and limit memory where a limit is given."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if memory_limit is None:
         return
@@ -75,8 +75,8 @@ class Job(NamedTuple):
 class LocalExecutor:
     """Spawned processes with one BLAS thread each.
 
-    Each worker is a pool of its own that holds one job at a time, so whatever happens to a worker, it is known which
-    job it had, and no lock or queue is shared that it could take with it.
+    Each worker is a pool of its own that holds one job at a time, so when a worker dies its job is known, and it shares
+    no lock or queue that it could leave broken.
     """
 
     workers: int = 1

@@ -1,7 +1,7 @@
-"""Another Python process that does one call after another, within limits of time and memory where it is told some.
+"""Another Python process that does one call after another, within optional limits of time and memory.
 
-Both processes run the same code and exchange pickles. The helper ends with its parent, and by itself where a call is
-too much for it; who called is then told how it ended, and nothing else is lost with it.
+Both processes run the same code and exchange pickles. The helper ends with its parent, or when a call exceeds its
+limits; the caller then learns how it ended, and loses only that call.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ START = "import sys; sys.path[:] = {path!r}; from sim.workers.helper_process imp
 
 
 class Lost(Exception):
-    """A helper that is gone, how it ended, and whether that was because it gave no answer in time."""
+    """A helper that has ended: how, and whether because it gave no answer in time."""
 
     def __init__(self, ending: str, late: bool) -> None:
         super().__init__(ending)
@@ -37,10 +37,10 @@ class HelperProcess:
     """A process, and the two pipes to it."""
 
     def __init__(self, memory_limit: int | None = None) -> None:
-        """Start it; with a limit of its memory (bytes) it is one for risky work, of which it may die at any time.
+        """Start it; with a limit of memory (bytes) it is for risky work, which may kill it.
 
-        Such a one keeps to itself what C++ says when it aborts, and what it leaves behind. Raises ``OSError`` where no
-        process can be started.
+        Messages of aborting C++ code are then suppressed, and temporary files are removed with it. Raises ``OSError``
+        where no process can be started.
         """
         risky = memory_limit is not None
         self.folder = TemporaryDirectory(prefix="shortfinal-") if risky else None
@@ -54,7 +54,7 @@ class HelperProcess:
         )
 
     def call(self, function: Callable[..., Any], *arguments: Any, time_limit: float | None = None) -> Any:
-        """``function(*arguments)`` over there; raises what it raises, and ``Lost``: then the helper is no more."""
+        """``function(*arguments)`` in the helper; raises what it raises, or ``Lost`` when the helper has ended."""
         work = pickle.dumps((function, arguments), pickle.HIGHEST_PROTOCOL)
         to, back, late = self.process.stdin, self.process.stdout, threading.Event()
         assert to is not None
@@ -84,7 +84,7 @@ class HelperProcess:
         return answer
 
     def end(self) -> str:
-        """End it, whatever it does; how it had ended by itself where it had."""
+        """Stop it at once; returns how it had ended where it already had."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self.process.wait(0.2)  # one that is dying says of what
         self.process.kill()
@@ -106,7 +106,7 @@ def is_helper() -> bool:
 
 
 def serve(memory_limit: int | None) -> None:
-    """Do what comes through standard input, one call after another, until it closes."""
+    """Answer calls from standard input, one after another, until it closes."""
     answers = os.fdopen(os.dup(1), "wb")
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)  # whatever a model prints is not an answer

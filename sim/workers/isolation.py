@@ -1,7 +1,7 @@
-"""Risky work in a helper process: a model that is not ours may abort or hang whoever loads it, and costs one sentence.
+"""Risky work in a helper process: a model from outside may abort or hang; that becomes one sentence.
 
 One helper serves all calls of this process, and is started when it is first needed, so runs of our own aircraft pay
-nothing. Where it is lost, the next call has a new one.
+nothing. After a loss the next call starts a new one.
 
 A model is data for JSBSim, read from its stripped copy; what is kept out here are its aborts, hangs and memory, not an
 attacker who could run code inside the helper.
@@ -47,13 +47,13 @@ def run_isolated(scenario: Any, time_limit: float, function: Callable[..., T], *
 
 
 def _in_folder(folder: str, function: Callable[..., T], arguments: tuple[Any, ...]) -> T:
-    """In the helper: the call where its caller stands, since a model may be named by a path from there."""
+    """In the helper: the call in the working folder of its caller, since a model may be named by a relative path."""
     os.chdir(folder)
     return function(*arguments)
 
 
 class _NoProcess(Exception):
-    """This machine starts no more processes, and why."""
+    """No further process can be started, and why."""
 
 
 _waiting: list[HelperProcess] = []  # the helper between two calls; a process is state, whatever one calls it

@@ -1,7 +1,7 @@
 """Work shared with a helper process: trackers and figures of a run, claims of a ledger.
 
-Whoever has calls to make asks for `current`. Within `with helper():` a part of them is made over there; what comes of
-them is the same when they are made here, and here they are made where there is no helper or it is lost.
+Code with calls to share asks for `current`. Within `with helper():` a part of the calls runs in the helper; results are
+the same as in this process, where all calls run if there is no helper or it is lost.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from sim.workers.helper_process import HelperProcess, Lost
 
 
 class Sharing:
-    """Calls in a helper process, one after the other, and in this one."""
+    """Runs calls in a helper process and in this one, one at a time in each."""
 
     def __init__(self, helper: HelperProcess | None = None) -> None:
         self.helper = helper
         self._thread = ThreadPoolExecutor(1)  # waits for the answers; costs nothing until it is used
 
     def later(self, function: Callable[..., Any], *arguments: Any) -> Callable[[], Any]:
-        """Begin a call there, at once; what is returned gives its result, and makes it here where it must."""
+        """Start a call in the helper; what is returned gives its result, computed here where the helper is lost."""
         begun: Future[Any] | None = None
         if self.helper is not None:
             begun = self._thread.submit(self.helper.call, function, *arguments)
@@ -44,7 +44,7 @@ class Sharing:
     def as_done(self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
         """Number and result of a function for several arguments, as each ends.
 
-        This process begins with the first call, the other with the last. Raises what the function raises.
+        This process takes calls from the front, the helper from the back. Raises what the function raises.
         """
         waiting = deque(enumerate(calls))
         done: SimpleQueue[tuple[int, Any]] = SimpleQueue()
@@ -83,7 +83,7 @@ class Sharing:
         return [found[number] for number in range(len(calls))]
 
     def stop(self) -> None:
-        """End the helper at once, whatever it does."""
+        """Stop the helper at once."""
         if self.helper is not None:
             self.helper.process.kill()
             self._thread.shutdown(cancel_futures=True)
@@ -95,16 +95,13 @@ _current: ContextVar[Sharing] = ContextVar("sharing", default=ALONE)
 
 
 def current() -> Sharing:
-    """With whom work is shared just now: a helper, or nobody."""
+    """The sharing in force: with a helper, or without."""
     return _current.get()
 
 
 @contextmanager
 def helper(worth_it: bool = True, ready: Callable[[], None] | None = None) -> Iterator[Sharing]:
-    """Share work with a helper process that first gets ``ready``; with nobody where that is not worth it.
-
-    It never is where there is no second processor.
-    """
+    """Share work with a helper process that first runs ``ready``; without one where it does not pay, as on one CPU."""
     processors = len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(2))
     sharing = Sharing(HelperProcess()) if worth_it and processors > 1 else ALONE
     before = _current.set(sharing)
@@ -118,7 +115,7 @@ def helper(worth_it: bool = True, ready: Callable[[], None] | None = None) -> It
 
 
 def _taken(end: Callable[[], Any]) -> Any:
-    """A call from one end of those that wait; None when there is none."""
+    """Take a waiting call from one end of the queue; None when it is empty."""
     try:
         return end()
     except IndexError:

@@ -231,7 +231,7 @@ def test_a_radar_on_the_route_is_flown_over(radar):
         assert figures["lost_fraction"] == 0.0, kind
     (warning,) = result.metrics["warnings"]
     assert warning == (
-        "sensor 'radar' stands on the flight's way: at 40 s the aircraft passed its antenna at 0 m, where an azimuth "
+        "sensor 'radar' is on the flight path: at 40 s the aircraft passed its antenna at 0 m, where an azimuth "
         "says nothing"
     )
 
@@ -240,7 +240,10 @@ def test_no_measurement_at_all_is_no_figure_and_no_error():
     blind = {"blind": {"kind": "precision_radar", "coverage_m": 10}}
     result = sim.run({**LINE, "sensors": blind, "trackers": {"t": {"kind": "route_control"}}})
     assert result.metrics["trackers"]["t"]["overall"] == {}
-    said = ["sensor 'blind' never saw the aircraft", "tracker 't' never heard of the aircraft: it has no figures"]
+    said = [
+        "sensor 'blind' never saw the aircraft",
+        "tracker 't' got no measurement of the aircraft: it has no figures",
+    ]
     assert result.metrics["warnings"] == said
     never = {"blind": {"kind": "precision_radar", "sector_deg": 360, "detection": 0.0}}
     result = sim.run({**LINE, "sensors": never, "trackers": {"t": {"kind": "imm"}}})
@@ -271,7 +274,7 @@ def test_what_arrives_after_the_flight_was_never_heard():
     assert result.tracks["late"].track.time[-1] <= result.flight.time[-1]
     np.testing.assert_array_equal(result.tracks["late"].track.mean, result.tracks["never"].track.mean)
     assert result.metrics["warnings"] == [
-        "sensor 'late' tells what it saw only after the flight of 60 s is over: its latency is longer",
+        "sensor 'late' delivers nothing before the flight of 60 s is over: its latency is longer",
         "sensor 'never' never saw the aircraft",
     ]
 

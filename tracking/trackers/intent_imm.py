@@ -33,20 +33,20 @@ class Intent(NamedTuple):
 
 
 class Bank(NamedTuple):
-    """The told law with its limits over an axis of hypotheses, and other laws in the last of them."""
+    """The assumed law with its limits over an axis of hypotheses, and other laws in the last of them."""
 
-    told: Law
+    assumed: Law
     others: tuple[Law, ...]
     batch: int  # axes of runs behind that of the hypotheses
 
     @property
     def bank_limit(self) -> Any:
         """rad."""
-        return self.told.bank_limit
+        return self.assumed.bank_limit
 
     def __call__(self, deviation: Any) -> Any:
         """Bank, rad, of every hypothesis."""
-        banks = self.told(deviation)
+        banks = self.assumed(deviation)
         first = banks.shape[-1 - self.batch] - len(self.others)
         for number, law in enumerate(self.others, first):
             one = slice(number, number + 1)
@@ -56,7 +56,7 @@ class Bank(NamedTuple):
 
 @dataclass(frozen=True)
 class IntentImm:
-    """The told law at several intercept limits, other laws, and free flight with little and with much manoeuvre.
+    """The assumed law at several intercept limits, other laws, and free flight with little and with much manoeuvre.
 
     Far from the path all that shows of a law is the course at which it intercepts, which the position limit sets (z_max
     of [Vasylyev 2003, eq. (4)], the bearing limit of eq. (5)). So the bank of laws varies that limit alone, and the
@@ -64,8 +64,9 @@ class IntentImm:
     route as in `route_control` with the slope of the law, so an aircraft that is flown on the estimate itself is a case
     for `route_control` with the control as known, not for this tracker.
 
-    The alternative laws are those that the autopilot could be switched to: the beacon law where the told one is a route
-    law. With them the tracker also says who is flying (`intents`): the told law, another one, or the crew by hand.
+    The alternative laws are those that the autopilot could be switched to: the beacon law where the assumed one is a
+    route law. With them the tracker also says who is flying (`intents`): the assumed law, another one, or the crew by
+    hand.
 
     Of a law this tracker needs two facts more than others do: ``intent``, what it is called, and ``intercept``, the
     names of its fields that set the course of a far intercept: the limit itself, then what has to grow with it.
@@ -103,7 +104,7 @@ class IntentImm:
 
     @property
     def _intents(self) -> tuple[str, ...]:
-        """Of the told law and of the alternatives."""
+        """Of the assumed law and of the alternatives."""
         return (self.law.intent, *(law.intent for law in self.alternative_laws))
 
     @property

@@ -35,7 +35,7 @@ class Plan(NamedTuple):
 
 
 class Closed(NamedTuple):
-    """The closed loop: who flies, along what, under which law."""
+    """The closed loop: the body, the route and the law."""
 
     mass: PointMass
     route: Route
@@ -67,7 +67,7 @@ def wandering_air(
 ) -> Callable[[int], Air]:
     """Air whose horizontal acceleration is drawn afresh every ``period``; its velocity is ``steady`` at the start.
 
-    It carries the aircraft along: what it adds to the motion is felt in the load factors, not in the airspeed.
+    It carries the aircraft along: its acceleration shows in the load factors, not in the airspeed.
     """
     periods = math.ceil(longest / period) + 2
     drawn = sigma * generator.standard_normal((periods, 2, *shape))
@@ -88,7 +88,7 @@ def wandering_air(
 def fly_closed(
     loop: Closed, body: PointMassState, leg: Any, step: float, air: Callable[[int], Air] | None = None, reason: str = ""
 ) -> Flight:
-    """Fly until every run has finished; runs that finish earlier go on under their law and plan.
+    """Fly until every run has finished; runs that finish earlier keep flying under their law and plan.
 
     A loop that takes longer than it may ends with the outcome ``time_limit``.
 
@@ -141,7 +141,7 @@ def fly_closed(
 
 
 def _pushed(state: AircraftState, acceleration: list[Array]) -> AircraftState:
-    """The state of an aircraft that its air accelerates: what it feels is added to its specific force."""
+    """The state of an aircraft in accelerated air: the acceleration of the air is added to its specific force."""
     forward, right, down = state.wind_axes  # those of the body: no angle of attack, no sideslip
     north, east = acceleration
     return state._replace(
@@ -152,7 +152,7 @@ def _pushed(state: AircraftState, acceleration: list[Array]) -> AircraftState:
 
 
 def _stacked(rows: list[Any], shape: tuple[int, ...]) -> list[Array]:
-    """Every field over time; what is the same for all runs takes the memory of one."""
+    """Every field stacked over time; a value that all runs share is stored once."""
     fields = []
     for column in zip(*rows, strict=True):
         array = np.array(column, float)

@@ -16,7 +16,7 @@ Array = Any
 def state_of_motion(
     time: Array, position: Array, velocity: Array, acceleration: Array, bank: Array | None = None
 ) -> AircraftState:
-    """What an aircraft without angle of attack and sideslip feels and shows on a prescribed path in calm air.
+    """Load factors, attitude and rates of an aircraft without angle of attack or sideslip on a given path in calm air.
 
     Fields have the shape (k, *B), only the time is the same for all runs, (k,). Load factors, attitude, pitch and
     heading rates are exactly those of the path; the roll rate is that of the record.
@@ -71,7 +71,7 @@ def state_of_motion(
 def prescribed_flight(
     state: AircraftState, route: Route, leg: Array, phase: Array, phases: tuple[str, ...], reason: str
 ) -> Flight:
-    """Record of a prescribed motion: commanded is what is flown."""
+    """Record of a prescribed motion; the commands are the motion itself."""
     nothing = np.broadcast_to(0.0, np.shape(state.north))
     command = Command(state.bank, state.pitch, state.height, state.airspeed, nothing, nothing, nothing)
     return recorded(state, command, route, leg, phase, phases, reason)

@@ -22,7 +22,7 @@ NOMINAL = RadioBeacon(6.0, 1.2, math.radians(20.0), math.radians(5.0))
 class BeaconHoming:
     """Towards a beacon from an angle off the prescribed direction [Vasylyev 2003, eq. (5)].
 
-    The prescribed course is north; the beacon stands at the origin. The law's gains and limits are not in the paper:
+    The prescribed course is north; the beacon is at the origin. The law's gains and limits are not in the paper:
     the nominal ones are ours. In a crosswind the heading form of the law flies the homing curve.
     """
 

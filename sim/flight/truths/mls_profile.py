@@ -19,7 +19,7 @@ Motion = tuple[Any, Any, Any, Any, Any, Any]  # along and up: place, rate, accel
 class MlsProfile:
     """Level deceleration, glide towards the elevation beacon at constant elevation, flare [Volovyk 2018, fig. 1].
 
-    Distances are from the elevation beacon, which stands at the origin; the flight goes north. Speeds fall uniformly
+    Distances are from the elevation beacon, which is at the origin; the flight goes north. Speeds fall uniformly
     on each leg, along the path. The corner at the glide path is sharp, as in the paper. The flare is a parabola that
     touches the ground without sink: the paper guides it by other means and gives no shape.
     """

@@ -28,7 +28,7 @@ class RouteCapture:
     ``double_integrator`` is the paper's motion ``z'' = g bank`` (6), flown without lag; ``course`` turns the course at
     g tan(bank) / V and rolls with a lag. The law's gains and limits are not in the paper: the nominal ones are ours, of
     the size of real autopilots. The line runs north through the origin. The law is any function of the deviation; with
-    ``offset`` the aircraft takes it from a parallel line, and so never converges to the one that trackers are told.
+    ``offset`` the aircraft follows a parallel line, and so never converges to the one that trackers assume.
     """
 
     motion: Literal["double_integrator", "course"] = "course"

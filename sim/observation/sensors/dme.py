@@ -24,7 +24,7 @@ from sim.scenario.tables import Runway
 
 
 class Interrogator(NamedTuple):
-    """What is carried from step to step."""
+    """The state of the sensor from step to step."""
 
     epoch: float
     noise: Rows

@@ -30,8 +30,8 @@ class Localiser:
     """Azimuth from the course line of an antenna that looks up the approach, with noise and a constant error.
 
     The course line is the runway's, turned by ``course_offset`` (+ clockwise, as its course towards the runway is read
-    on a chart) where terrain or a steep approach asks for it; the antenna then stands where ``position`` puts it.
-    ``bias`` is the alignment of the course that is not what it should be; R does not hold it. Defaults are about those
+    on a chart) where terrain or a steep approach asks for it; the antenna is then where ``position`` puts it.
+    ``bias`` is the misalignment of the course; R does not include it. Defaults are about those
     of a category I installation, from memory of Annex 10 volume I, 3.1.3: usable to 17 NM within 35 degrees of the
     course (to 25 NM within 10, which is not modelled); course bends of 0.015 DDM at most near the runway, a tenth of
     a half course of some 2 degrees, read as two standard deviations, and taken for white; aligned within 10.5 m at

@@ -1,4 +1,4 @@
-"""Microwave landing system: one angle at 40.5 Hz, of an accuracy that changes without notice."""
+"""Microwave landing system: one angle at 40.5 Hz, with an accuracy that changes without notice."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Mls:
     ``anomalies``: ``iid`` samples have ``factor`` times the nominal sigma with probability ``anomaly_share``;
     ``bursts`` are the same in runs of ``burst_length`` on average (a Markov chain with that share); ``bias_bursts`` add
     a constant ``bias`` of either sign during a run, as multipath does; ``dropouts`` have no measurement during a run.
-    The stated accuracy R is always the nominal one: the receiver does not know.
+    The stated R is always the nominal one: the receiver does not detect the anomaly.
     """
 
     angle: Literal["elevation", "azimuth"] = "elevation"

@@ -148,8 +148,8 @@ class PrecisionRadar:
     def _false_plots(self, exact: np.ndarray, uniform: np.ndarray) -> np.ndarray:
         """False plots (c, 3, draws) about a place (3,) from uniform numbers (1 + 3 c, draws); NaN beyond their count.
 
-        The count is the quantile of the Poisson law, cut at c, which is exceeded once in 1e9 looks. A plot from behind
-        the antenna is none.
+        The count is the quantile of the Poisson law, cut at c, which is exceeded once in 1e9 looks. Plots behind the
+        antenna are dropped.
         """
         most = len(uniform) // 3
         count = np.searchsorted(pdtr(np.arange(most), self._mean_count), uniform[0])

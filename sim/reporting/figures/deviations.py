@@ -1,4 +1,4 @@
-"""How the deviations that a law looks at are called and scaled in figures."""
+"""Names and scales, in figures, of the deviations that a law uses."""
 
 from __future__ import annotations
 

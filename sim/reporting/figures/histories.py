@@ -63,7 +63,7 @@ def _bars(axes: Any, flight: Flight, rows: dict[str, tuple[np.ndarray, str]]) ->
 
 
 def _limiters(flight: Flight, law: Mode, bank_limit: float) -> dict[str, np.ndarray]:
-    """When the command stood at the bank limit, and when each input of the law was beyond its own."""
+    """When the command was at the bank limit, and when each input of the law was beyond its own."""
     deviation = flight.deviation
     reached = {"bank": np.abs(flight.command.bank) >= bank_limit * (1 - 1e-6)}
     for one in law.limits():

@@ -1,4 +1,4 @@
-"""The law as a map: where its limits act, where it asks for wings level, and the way the flight took through it."""
+"""The law as a map: where its limits act, where it commands wings level, and the path of the flight through it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ TITLES = ("whole flight", "near the leg")
 
 
 class Plane(NamedTuple):
-    """The two deviations that a law looks at, as they are shown."""
+    """The two deviations that a law uses, as they are shown."""
 
     x: LimitedInput
     y: LimitedInput
@@ -120,7 +120,7 @@ def _command(law: Any, plane: Plane, x: np.ndarray, y: np.ndarray) -> np.ndarray
 
 
 def _law_regions(axes: Any, law: Any, plane: Plane, half_x: float, half_y: float) -> None:
-    """Shade where the bank command stands at its limit, draw the limits of the inputs and the line of wings level."""
+    """Shade where the bank command is at its limit, draw the limits of the inputs and the line of wings level."""
     if not np.isfinite(plane.ratio):
         return
     x, y = np.linspace(-half_x, half_x, GRID), np.linspace(-half_y, half_y, GRID)

@@ -90,7 +90,7 @@ def phase_colour(name: str) -> str:
 
 
 def import_matplotlib() -> None:
-    """Import matplotlib so that it leaves nothing in the user's home: its list of fonts is made in a folder that goes.
+    """Import matplotlib so that it leaves nothing in the user's home: its list of fonts is made in a temporary folder.
 
     A list that an earlier use of matplotlib left is read, which is faster and writes nothing.
     """
@@ -116,7 +116,7 @@ def get_ready() -> None:
 
 @contextlib.contextmanager
 def drawing() -> Iterator[None]:
-    """Inside, matplotlib draws in this style and keeps its remarks about fonts; outside, all is as the user set it."""
+    """Within, matplotlib draws in this style without its messages about fonts; afterwards the user's settings hold."""
     logger = logging.getLogger("matplotlib")
     level = logger.level
     logger.setLevel(logging.ERROR)
@@ -183,7 +183,7 @@ def grid(
 
 
 def data_uri(figure: Figure) -> str:
-    """The figure as an SVG image that carries itself; the same figure gives the same bytes."""
+    """The figure as an SVG data URI; the same figure gives the same bytes."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     return "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode()

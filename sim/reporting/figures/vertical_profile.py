@@ -17,7 +17,7 @@ FLARE_SHOWN = 30.0  # m, height at which the picture of the flare begins
 
 
 def vertical_profile(flight: Flight, runway: Runway) -> Any:
-    """Figure of the height against what was asked for, over the distance flown."""
+    """Figure of the height and the commanded height over the distance flown."""
     state = flight.state
     figure, (axes,) = style.panels(1.5)
     flown = _distance_flown(flight) * 1e-3

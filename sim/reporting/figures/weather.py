@@ -30,7 +30,7 @@ FOLDED = 30.0  # rad/s; above, a record at 30 Hz shows more than there is
 
 
 def weather_charts(flight: Flight, scenario: Any) -> Iterator[tuple[str, Any, str]]:
-    """(title, figure, caption) of everything that the air of this scenario has beside a steady wind."""
+    """(title, figure, caption) of everything in the air of this scenario besides a steady wind."""
     table = scenario.wind
     if table.profile is None and not table.events and table.intensity == 0.0:
         return
@@ -102,7 +102,7 @@ def wind_history(flight: Flight, with_energy: bool) -> Any:
 
 
 def profiles(flight: Flight, scenario: Any, gusts: np.ndarray) -> Any:
-    """Figure of mean wind and turbulence over height, as said and as flown."""
+    """Figure of mean wind and turbulence over height, as specified and as flown."""
     table, state = scenario.wind, flight.state
     top = max(HIGHEST, 1.1 * float(np.max(state.height)))
     heights = np.linspace(1.0, top, 200)
@@ -147,7 +147,7 @@ def profiles(flight: Flight, scenario: Any, gusts: np.ndarray) -> Any:
 
 
 def turbulence_met(flight: Flight, scenario: Any) -> np.ndarray:
-    """(3, k) m/s: the wind met less everything that is no turbulence; along, right and up of the mean wind."""
+    """(3, k) m/s: the wind met minus mean wind, shear and events; along, right and up of the mean wind."""
     state, table = flight.state, scenario.wind
     still = air(table, scenario.runway).velocity
     places = zip(flight.time, state.north, state.east, state.height, state.airspeed, strict=True)

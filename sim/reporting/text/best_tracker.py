@@ -11,7 +11,7 @@ from sim.reporting.text.labels import column, number, split, words
 from sim.reporting.tracker_figures.error_curves import Shown
 
 PLACES = {"cross_track_m": "across track", "position_m": "of position", "height_m": "of height"}
-TOO_SURE = 1.5  # ANEES beyond which a winner is told to be too sure of itself
+TOO_SURE = 1.5  # ANEES beyond which the winner is called too sure of itself
 
 
 def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown]) -> str:
@@ -24,22 +24,22 @@ def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown]
     if not rivals:
         return ""
     best, *others = rivals
-    told = [f"{_head(trackers, channel, best, rivals)}"]
+    parts = [f"{_head(trackers, channel, best, rivals)}"]
     if others:
-        told.append(_behind(flight, channel, best, others))
-    told += _law(trackers, channel, best, others)
+        parts.append(_behind(flight, channel, best, others))
+    parts += _law(trackers, channel, best, others)
     figures = trackers[best.name]
     if (figures.get("anees_low") or 0.0) > TOO_SURE:
-        told.append(f"yet it is too sure of itself (ANEES {number(float(figures['anees']), 1)})")
+        parts.append(f"yet it is too sure of itself (ANEES {number(float(figures['anees']), 1)})")
     if figures.get("lost_fraction"):
-        told.append(f"it lost {number(100.0 * figures['lost_fraction'], 1)} % of the draws")
+        parts.append(f"it lost {number(100.0 * figures['lost_fraction'], 1)} % of the draws")
     if others and best.curves.draws == 1:
-        told.append("one draw does not tell a lead from chance")
-    return "; ".join(part for part in told if part) + "."
+        parts.append("one draw does not tell a lead from chance")
+    return "; ".join(part for part in parts if part) + "."
 
 
 def _contest(trackers: dict[str, Any], followed: list[Shown]) -> tuple[str, list[Shown]]:
-    """The channel that is judged and, best first, whoever has it from the sensors that most trackers listen to."""
+    """The channel that is compared and, best first, the trackers that have it from the most used set of sensors."""
     able: list[Shown] = []
     for channel in (*PLACES, *dict.fromkeys(c for one in followed for c in one.curves.channels)):
         able = [one for one in followed if _rmse(trackers, channel, one) is not None]
@@ -82,16 +82,16 @@ def _ratio(channel: str, one: Shown, best: Shown) -> tuple[float, bool]:
 
 
 def _behind(flight: Flight, channel: str, best: Shown, others: list[Shown]) -> str:
-    """Who is as good, and how far and where the next one falls behind."""
+    """Trackers as good as the best, and by how much and where the next one is worse."""
     ratios = {one.name: _ratio(channel, one, best) for one in others}
     alike = [words(one.name) for one in others if ratios[one.name][1]]
     behind = [one for one in others if not ratios[one.name][1] and np.isfinite(ratios[one.name][0])]
-    told = [f"{_and(alike)} {'is' if len(alike) == 1 else 'are'} as good within the noise"] if alike else []
+    parts = [f"{_and(alike)} {'is' if len(alike) == 1 else 'are'} as good within the noise"] if alike else []
     if behind:
         value = ratios[behind[0].name][0]
         where = _where(flight, channel, best, behind[0])
-        told.append(f"next is {words(behind[0].name)} with {number(value, 2)} times the error{where}")
-    return ", ".join(told)
+        parts.append(f"next is {words(behind[0].name)} with {number(value, 2)} times the error{where}")
+    return ", ".join(parts)
 
 
 def _where(flight: Flight, channel: str, best: Shown, other: Shown) -> str:
@@ -106,20 +106,20 @@ def _where(flight: Flight, channel: str, best: Shown, other: Shown) -> str:
 
 
 def _law(trackers: dict[str, Any], channel: str, best: Shown, others: list[Shown]) -> list[str]:
-    """What the law was worth: against the best that is told nothing of it, and told wrong."""
-    told = []
+    """What the law was worth: against the best tracker without one, and against the same kind with another law."""
+    parts = []
     informed = best.law_from is not None
     other = next((one for one in others if (one.law_from is not None) != informed), None)
     if other is not None:
         value, alike = _ratio(channel, other, best)
         if informed:
-            told.append(
+            parts.append(
                 f"knowing a law is worth a factor of {number(value, 2)} over {words(other.name)}, the best without one"
                 if not alike
-                else f"{words(other.name)}, which is told no law, is as good"
+                else f"{words(other.name)}, which assumes no law, is as good"
             )
         else:
-            told.append(f"the best that is told a law, {words(other.name)}, has {number(value, 2)} times the error")
+            parts.append(f"the best that assumes a law, {words(other.name)}, has {number(value, 2)} times the error")
     kind = trackers[best.name].get("kind")
     twin = next(
         (one for one in others if informed and trackers[one.name].get("kind") == kind and one.law_from != best.law_from
@@ -128,12 +128,12 @@ def _law(trackers: dict[str, Any], channel: str, best: Shown, others: list[Shown
     if twin is not None:
         value, alike = _ratio(channel, twin, best)
         if alike:
-            told.append("which of the two laws it is told makes no difference to it")
+            parts.append("which of the two laws it assumes makes no difference to it")
         elif best.law_from == "autopilot":
-            told.append(f"told a wrong law it has {number(value, 2)} times the error")
+            parts.append(f"with the mismatched law it has {number(value, 2)} times the error")
         else:
-            told.append(f"told the law that flies it has {number(value, 2)} times the error, so its model errs anyway")
-    return told
+            parts.append(f"with the law that flies it has {number(value, 2)} times the error, so its model errs anyway")
+    return parts
 
 
 def _and(names: list[str]) -> str:

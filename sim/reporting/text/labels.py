@@ -85,7 +85,7 @@ def number(value: Any, places: int | None = None) -> str:
 
 
 def column(values: list[Any]) -> list[str]:
-    """Numbers of one column with the same decimal places, so that the digits stand below each other."""
+    """Numbers of one column with the same decimal places, so that the digits line up."""
     numbers = [None if v is None else float(v) for v in values]
     places = decimals(*numbers)
     return [number(v, places) for v in numbers]

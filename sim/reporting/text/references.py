@@ -1,4 +1,4 @@
-"""What a run stands on: the equations, papers and errata, read from the docstrings of the code that ran."""
+"""Sources of a run: its equations, papers and errata, read from the docstrings of the code that ran."""
 
 from __future__ import annotations
 

@@ -117,7 +117,7 @@ def beside_rows(figures: dict[str, Any]) -> list[tuple[str, str, str, str]]:
 
 
 def halves(rows: list[Any]) -> list[list[Any]]:
-    """Two tables of nearly the same length, to stand beside each other."""
+    """Two tables of nearly the same length, to be shown side by side."""
     middle = -(-len(rows) // 2)
     return [rows[:middle], rows[middle:]]
 
@@ -134,7 +134,7 @@ def spread_rows(summary: dict[str, Any]) -> list[tuple[str, ...]]:
 
 
 def law_rows(law: Any) -> list[tuple[str, str, str]]:
-    """(field, value, unit) of the law that flew, as it would stand in a file."""
+    """(field, value, unit) of the law that flew, in the spelling of scenario files."""
     return [
         (*split(key), f"{value:.5g}" if isinstance(value, float) else str(value)) for key, value in dump(law).items()
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from sim.metrics.conformance import MISMATCHED
 from sim.reporting.text.labels import ABSENT, column, decimals, number, split, words
 
 
@@ -17,7 +18,7 @@ class Table(NamedTuple):
 
 
 def tracker_tables(trackers: dict[str, dict[str, Any]]) -> list[Table]:
-    """Tables of the summary of every tracker as it stands in metrics.json."""
+    """Tables of the summary of every tracker, as in metrics.json."""
     channels = list(dict.fromkeys(channel for t in trackers.values() for channel in t.get("overall") or {}))
     tables = [_channel(trackers, channel) for channel in channels]
     return [*tables, _consistency(trackers), *_look_ahead(trackers)]
@@ -61,7 +62,8 @@ def _times(gain: float | None) -> str:
 
 
 def _law(tracker: dict[str, Any]) -> str:
-    return str(tracker.get("law_from") or ABSENT)
+    found = tracker.get("law_from")
+    return "mismatched law" if found == MISMATCHED else str(found or ABSENT)
 
 
 def _consistency(trackers: dict[str, dict[str, Any]]) -> Table:

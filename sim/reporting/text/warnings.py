@@ -15,10 +15,10 @@ CLOSE = 50.0  # m from an antenna: there the noise of a range is a good part of 
 def warnings(
     flight: Flight, sensors: dict[str, Any], records: dict[str, SensorRecord], trackers: dict[str, dict[str, Any]]
 ) -> list[str]:
-    """Sentences about sensors that gave nothing or stood in the way; ``trackers`` as in metrics.json."""
+    """Sentences about sensors that measured nothing or are on the flight path; ``trackers`` as in metrics.json."""
     found = [_sensor(flight, name, sensors[name], record) for name, record in records.items()]
     found += [
-        f"tracker '{name}' never heard of the aircraft: it has no figures"
+        f"tracker '{name}' got no measurement of the aircraft: it has no figures"
         for name, figures in trackers.items()
         if "look_ahead" not in figures
     ]
@@ -30,7 +30,7 @@ def _sensor(flight: Flight, name: str, sensor: Any, record: SensorRecord) -> str
         return f"sensor '{name}' never saw the aircraft"
     end = float(flight.time[-1])
     if record.arrival.min() > end:
-        return f"sensor '{name}' tells what it saw only after the flight of {end:.0f} s is over: its latency is longer"
+        return f"sensor '{name}' delivers nothing before the flight of {end:.0f} s is over: its latency is longer"
     if sensor.antenna is None or "azimuth" not in record.channels:
         return None
     state = flight.state
@@ -40,6 +40,6 @@ def _sensor(flight: Flight, name: str, sensor: Any, record: SensorRecord) -> str
     if distance[nearest] > CLOSE:
         return None
     return (
-        f"sensor '{name}' stands on the flight's way: at {state.time[nearest]:.0f} s the aircraft passed its antenna "
+        f"sensor '{name}' is on the flight path: at {state.time[nearest]:.0f} s the aircraft passed its antenna "
         f"at {distance[nearest]:.0f} m, where an azimuth says nothing"
     )

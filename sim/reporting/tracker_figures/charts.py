@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
-from sim.metrics.conformance import told_in_words
+from sim.metrics.conformance import conformance_sentence
 from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart
 from sim.reporting.text.labels import words
@@ -49,11 +49,11 @@ def error_charts(
         add(
             "Error over time",
             error_over_time(flight, followed, bound),
-            "Root mean square over draws and short windows of time, on a logarithmic scale. Dashed: told a wrong "
+            "Root mean square over draws and short windows of time, on a logarithmic scale. Dashed: mismatched "
             "law. Dots: the measurements themselves."
             + (
-                " Dotted: the Cramér-Rao bound on this path for one who knows every acceleration, but no route; "
-                "across track a tracker that is told where the autopilot steers may come below it."
+                " Dotted: the Cramér-Rao bound on this path with every acceleration known, but no route; "
+                "across track a tracker that knows where the autopilot steers may come below it."
                 if bound is not None
                 else ""
             ),
@@ -61,7 +61,7 @@ def error_charts(
         add(
             "Error by phase",
             error_by_phase(flight, trackers, followed),
-            "Root mean square error with its 95 % interval, on a logarithmic scale; hatched: told a wrong law; "
+            "Root mean square error with its 95 % interval, on a logarithmic scale; hatched: mismatched law; "
             "black line: the raw measurement.",
         )
         add(
@@ -132,9 +132,9 @@ def belief_charts(
             add(
                 "Who is flying?",
                 alert_strip(flight, watched),
-                f"{told_in_words(words(name), trackers[name]['conformance'])}. Above: probability of each intent, mean "
-                f"over the draws. Below: the log likelihood ratio against the {watched.told}, summed by Page's test; "
-                f"its limit makes false alarms rarer than one in {np.exp(watched.limit):.0f} looks.",
+                f"{conformance_sentence(words(name), trackers[name]['conformance'])}. Above: probability of each "
+                f"intent, mean over the draws. Below: the log likelihood ratio against the {watched.assumed}, summed "
+                f"by Page's test; its limit makes false alarms rarer than one in {np.exp(watched.limit):.0f} looks.",
             )
         add(
             "Measurement anomalies",

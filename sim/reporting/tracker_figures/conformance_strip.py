@@ -1,4 +1,4 @@
-"""Who is flying, as a tracker of intents believes it, and the test that alarms when it is not the law it was told."""
+"""Who is flying, as a tracker of intents believes it, and the test that alarms when it is not the assumed law."""
 
 from __future__ import annotations
 

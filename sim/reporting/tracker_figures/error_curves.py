@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from sim.metrics.conformance import MISMATCHED
 from sim.metrics.error_curves import ErrorCurves
 from sim.reporting.figures import style
 
@@ -33,12 +34,12 @@ def shown_channels(shown: list[Shown]) -> list[str]:
 
 
 def _looks(scenario: Any, tracked: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """A colour for each kind that is told a law and for every other tracker; dashes where it was told wrong."""
+    """A colour for each kind that assumes a law and for every other tracker; dashes where the law is mismatched."""
     colours: dict[str, str] = {}
     looks: dict[str, dict[str, Any]] = {}
     for name, one in tracked.items():
         choice = scenario.trackers.get(name)
         family = name if choice is None or one.law_from is None else f"kind {choice.kind}"
         colour = colours.setdefault(family, style.TRACKERS[len(colours) % len(style.TRACKERS)])
-        looks[name] = {"color": colour, "dashes": style.DASHED if one.law_from == "told wrong" else style.SOLID}
+        looks[name] = {"color": colour, "dashes": style.DASHED if one.law_from == MISMATCHED else style.SOLID}
     return looks

@@ -1,4 +1,4 @@
-"""Where the trackers believed the aircraft to be: plots, estimates and ellipses of draw 0, whole and the last turn."""
+"""Estimated positions: plots, estimates and ellipses of draw 0, whole and the last turn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a tracker with several hypotheses believes: probabilities of its modes, anomalies of its measurements."""
+"""Trackers with several hypotheses: probabilities of their modes, anomalies of their measurements."""
 
 from __future__ import annotations
 

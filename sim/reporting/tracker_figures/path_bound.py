@@ -1,4 +1,4 @@
-"""A reference line for the flight that was flown: the bound of one who knows every acceleration, but no route."""
+"""A reference line for a flight: the Cramer-Rao bound with every acceleration known, but no route."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ class PathBound(NamedTuple):
 
 
 def path_bound(flight: Flight, sensors: dict[str, Any], records: dict[str, Any]) -> PathBound | None:
-    """Cramer-Rao bound of position from all radar plots of a flight for one who knows its accelerations exactly.
+    """Cramer-Rao bound of position from all radar plots of a flight whose accelerations are known exactly.
 
     Only the place and velocity at the first plot are unknown, with the prior of the trackers; constant velocity then
-    describes how their errors move, without process noise. Height is taken as known. Who is told the route and the law
-    knows more: where the autopilot steers; across the track such a tracker may be better. None where nothing measures a
-    place.
+    describes how their errors move, without process noise. Height is taken as known. A tracker that assumes a route and
+    a law knows more, namely where the autopilot steers, and may be better across the track. None without a position
+    sensor.
     """
     from tracking import bounds  # imports scipy, which a report without trackers does not need
     from tracking.motion import CARTESIAN, planar_constant_velocity

@@ -48,7 +48,7 @@ def error_over_time(flight: Flight, followed: list[Shown], bound: PathBound | No
 
 
 def _raw(axes: Any, shown: list[Shown], channel: str) -> None:
-    """The measurements of whoever has most of them."""
+    """The raw measurements, from the tracker that has most of them."""
     most = max((one.curves for one in shown), key=lambda curves: np.isfinite(curves.channels[channel].raw).sum())
     raw = most.channels[channel].raw
     chosen = np.flatnonzero(np.isfinite(raw))
@@ -197,7 +197,7 @@ def _phases(tracker: dict[str, Any]) -> list[dict[str, Any]]:
 def containment(flight: Flight, scenario: Any, followed: list[Shown]) -> tuple[Any, str] | None:
     """Figure of the 95th percentile of the cross-track error against the azimuth norm of a precision radar.
 
-    Also a sentence on who keeps it how often; None without such a radar or without a place.
+    Also a sentence on how often each tracker keeps it; None without such a radar or without a place.
     """
     precise = (it for it in scenario.sensors.values() if {"range", "azimuth", "elevation"} <= {*it.channels})
     radar = next((it for it in precise if it.outline()), None)

@@ -247,7 +247,7 @@ def test_looking_ahead_is_the_tracker_s_own_prediction(flown, tracked):
 
 @pytest.mark.parametrize("kind", ["linear_feedback", "saturated_control", "route_control", "intent_imm"])
 def test_twins_track_as_each_of_them_does_alone(flown, kind):
-    """Told right and told wrong, side by side in one tracker and each by itself."""
+    """The right and a mismatched law, side by side in one tracker and each by itself."""
     _, flight, records = flown
     wrong = {"k1_factor": 1.3, "cross_track_limit_factor": 1.3}
     twins = {"right": {"kind": kind, "sensors": RADARS}, "wrong": {"kind": kind, "sensors": RADARS, "law": wrong}}

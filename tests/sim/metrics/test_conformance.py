@@ -13,7 +13,7 @@ from sim.cli.explain import explain
 from sim.errors import ScenarioError
 from sim.estimation.setup import build
 from sim.flight.preparation import prepare
-from sim.metrics.conformance import figures, told_in_words
+from sim.metrics.conformance import conformance_sentence, figures
 from sim.scenario.reading import read
 from tracking.conformance import CONFORMANCE, ConformanceTest
 
@@ -65,7 +65,7 @@ def test_an_alarm_stands_until_the_law_is_believed_again():
 
 
 def test_while_the_law_is_flown_alarms_are_rarer_than_stated():
-    """Looks drawn from the told law's own density against a shifted one, forgotten at an even rate: 400 x 400 looks.
+    """Looks drawn from the assumed law's own density against a shifted one, forgotten at an even rate: 400 x 400 looks.
 
     Page's bound says at most one alarm in 100 looks on average; a run of 400 looks then has four at most.
     """
@@ -110,7 +110,7 @@ def test_delays_count_from_the_departure_and_alarms_before_it_are_false():
     assert found["delay_s"]["p5"] == pytest.approx(2.05)
     assert found["delay_s"]["p95"] == pytest.approx(2.95)
     assert found["alarm_fraction"] == pytest.approx(2 / 3)
-    words = told_in_words("mine", found)
+    words = conformance_sentence("mine", found)
     assert "was left at 4 s; alarm after 2 s (median) in 67% of the draws, 33.3% before; most likely: manual" in words
     flown = figures(watched, None)
     assert flown["departure_s"] is None

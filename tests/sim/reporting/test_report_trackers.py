@@ -43,7 +43,7 @@ EVIL, LARGEST, LAW, Page = (_page[name] for name in ("EVIL", "LARGEST", "LAW", "
 POSITION = LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
 CHANNELS = ("north", "north_rate", "east", "east_rate")
 KINDS = {"best": "route_control", "twin": "route_control", "plain": "imm"}
-"""Names and kinds of the trackers of most tests; ``twin`` is told wrong."""
+"""Names and kinds of the trackers of most tests; ``twin`` assumes a mismatched law."""
 
 
 def scenario(trackers=KINDS, **tables):
@@ -172,7 +172,7 @@ def test_few_draws_are_pooled_over_windows_without_losing_an_error(flight):
 
 def test_twins_share_a_colour_and_the_wrong_law_is_dashed(flight):
     error = np.ones((2, 2))
-    tracked = {name: followed_by(flight, error, told) for name, told in
+    tracked = {name: followed_by(flight, error, origin) for name, origin in
                (("best", "autopilot"), ("twin", "told wrong"), ("plain", None))}  # fmt: skip
     best, twin, plain = shown_trackers(scenario(), tracked)
     assert best.look["color"] == twin.look["color"] != plain.look["color"]
@@ -265,7 +265,7 @@ def test_the_winner_is_named_with_its_lead_and_its_reason(flight):
     assert "5.0 times better than the raw measurements (50.0" in said
     assert "next is twin with 2.00 times the error" in said
     assert "knowing a law is worth a factor of 3.00 over plain, the best without one" in said
-    assert "told a wrong law it has 2.00 times the error" in said
+    assert "with the mismatched law it has 2.00 times the error" in said
     assert said.count(". ") == 0  # one sentence
 
 
@@ -285,7 +285,7 @@ def test_a_lead_within_the_noise_is_no_lead(flight):
 
 def test_a_tracker_without_a_law_may_win(flight):
     said = told(flight, {"plain": 10.0, "best": 20.0}, LAWS)
-    assert "the best that is told a law, best, has 2.00 times the error" in said
+    assert "the best that assumes a law, best, has 2.00 times the error" in said
 
 
 def test_a_winner_s_faults_are_told(flight):
@@ -396,7 +396,7 @@ def test_the_strip_shows_which_samples_were_taken_for_anomalous(flight):
     np.testing.assert_allclose(one.curves.path.height, 300.0, atol=1e-6)  # an angle is shown as a height
 
 
-def test_what_is_told_wrong_is_drawn_dashed(flight):
+def test_a_mismatched_law_is_drawn_dashed(flight):
     tracked = {
         "best": followed_by(flight, noisy(9.0, 1), "autopilot"),
         "twin": followed_by(flight, noisy(9.0, 2), "told wrong"),
