@@ -9,6 +9,7 @@ from sim.metrics.checks import broken, broken_in_study
 from sim.metrics.conformance import conformance_sentence
 from sim.metrics.navigation import beside
 
+MOST_REASONS = 3  # of flights that crashed
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
 
 
@@ -69,6 +70,7 @@ def study_summary(metrics: dict[str, Any]) -> str:
     """How all flights ended, then the checks as an aligned table."""
     ended = ", ".join(f"{count} {name}" for name, count in sorted(metrics["outcomes"].items()))
     lines = [f"{metrics['scenario']}: {metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}"]
+    lines += [f"crashed: {reason}" for reason in metrics.get("crashes", ())[:MOST_REASONS]]
     if metrics["checks"]:
         header = ["check", "flights", "within", "value", "limit", "margin", ""]
         lines += ["", *table([header, *map(_shown, metrics["checks"])], 1)]

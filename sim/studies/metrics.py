@@ -28,12 +28,14 @@ def study_metrics(
     study_checks: Sequence[StudyCheck],
 ) -> dict[str, Any]:
     """Axes, rows and checks, as in metrics.json; ``records`` sorted by cell, sample and flight."""
+    crashes = list(dict.fromkeys(r["metrics"]["reason"] for r in records if r["metrics"]["outcome"] == "crashed"))
     cells: dict[int, list[dict[str, Any]]] = {}
     for record in records:
         cells.setdefault(record["cell"], []).append(record)
     return {
         "axes": {one.address: describe(one) for one in axes},
         "outcomes": outcomes(records),
+        **({"crashes": crashes} if crashes else {}),  # why, each reason once
         "rows": [row(axes, cells[number]) for number in sorted(cells)],
         "checks": [
             *(share_check(check, records) for check in study_checks),
