@@ -101,7 +101,7 @@ def study(
     folder = out if out is not None else Path("out") / read(scenario, plugins=how["plugins"]).name
     call = studies.study
     with _executor(workers, cluster, insecure) as given:
-        _study(folder, lambda **more: call(scenario, folder, anew=anew, **how, **given, **more))
+        _study(folder, lambda **more: call(scenario, folder, anew=anew, **how, **given, **more), plugins)
 
 
 @app.command()
@@ -117,16 +117,21 @@ def resume(
     from sim.studies import study as studies
 
     with _executor(workers, cluster, insecure) as given:
-        _study(folder, lambda **more: studies.resume(folder, plugins=plugins or (), anyway=anyway, **given, **more))
+        _study(
+            folder,
+            lambda **more: studies.resume(folder, plugins=plugins or (), anyway=anyway, **given, **more),
+            plugins,
+        )
 
 
-def _study(folder: Path, fly: Any) -> None:
+def _study(folder: Path, fly: Any, plugins: list[Path] | None) -> None:
     from sim.cli.run_summary import study_summary
 
+    again = "".join(f" --plugin {file}" for file in plugins or ())
     try:
         metrics = fly(progress=_progress())
     except KeyboardInterrupt:
-        typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}", err=True)
+        typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}{again}", err=True)
         raise typer.Exit(STOPPED) from None
     typer.echo(study_summary(metrics))
     typer.echo(f"report: {folder / 'report.html'}")
@@ -344,7 +349,10 @@ def main() -> None:
     """Entry point: faults become sentences on standard error and exit code 2."""
     one_thread()
     try:
-        sys.exit(app(standalone_mode=False))
+        code = app(standalone_mode=False)
+    except SystemExit:
+        typer.echo("shortfinal: a part or a model ends the process; it must raise an error instead", err=True)
+        sys.exit(BAD_INPUT)
     except (KeyboardInterrupt, typer.Abort):
         typer.echo("stopped", err=True)
         sys.exit(STOPPED)
@@ -360,6 +368,7 @@ def main() -> None:
         for line in str(error).splitlines():
             typer.echo(f"shortfinal: {printable(line)}", err=True)
         sys.exit(BAD_INPUT)
+    sys.exit(code)
 
 
 if __name__ == "__main__":

@@ -101,7 +101,7 @@ class Navigator:
         """The navigator's state one record later, and what the autopilot sees then; looks count from their arrival."""
         states, pending = [], list(sight.pending)
         for index, (state, (_, sensor)) in enumerate(zip(sight.sensors, self.sensors, strict=True)):
-            state, looks = looks_of(sensor, state, before, after)
+            state, looks = looks_of(sensor, state, before, after, 1)
             states.append(state)
             pending += [(look.arrival, index, look.z, look.R) for look in looks]
         known = sorted((look for look in pending if look[0] <= after.time), key=lambda look: look[:2])

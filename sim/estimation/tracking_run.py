@@ -143,15 +143,19 @@ def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Ou
     ahead = LookAhead(trackers, flight, record.arrival, sensors)
     one = stack_laws(trackers, record.z.shape[2])
     try:
-        tracks = split_track(run_tracker(one, *repeat_runs(record, begun, len(group)), first.start, ahead), len(group))
+        made = run_tracker(one, *repeat_runs(record, begun, len(group)), first.start, ahead)
+        draws = record.z.shape[2] * len(group)
+        if made.mean.shape[2] != draws:
+            raise TrackerError(f"estimate gives {made.mean.shape[2]} draws, not {draws}")
+        tracks = split_track(made, len(group))
         looks = ahead.figures()
     except TrackerError as error:
         raise ScenarioError(f"[trackers.{first.name}] {error}") from error
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
         plots = plot_errors(flight, sensors, chart_height(watch.prepared), record)
         return [
-            _judged(watch, entry, made, tracker_errors(flight, sensors, made, plots), looked)
-            for entry, made, looked in zip(group, tracks, looks, strict=True)
+            _judged(watch, entry, own, tracker_errors(flight, sensors, own, plots), looked)
+            for entry, own, looked in zip(group, tracks, looks, strict=True)
         ]
 
 

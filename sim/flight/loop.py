@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -16,6 +17,7 @@ from sim.flight.record import RECORD_STEP, Event, Flight
 
 MONITORED = 10  # records between two looks of the monitor, which looks at every one close to the ground
 LOW = 15.0  # m
+LARGEST_BANK = math.pi  # rad; no law means more
 NEAR_GROUND = 60.0  # m; below, the autopilot runs at twice the rate for the flare
 
 
@@ -56,6 +58,9 @@ def fly(
             states.append(state)
             commands.append(command)
             pilots.append(pilot)
+            if not abs(command.bank) < LARGEST_BANK:  # nor where it is no number
+                verdict = "diverged", f"the law commands a bank of {command.bank:.4g} rad"
+                break
             if pilot.phase != phase:
                 phase = pilot.phase
                 events.append(Event(state.time, phases[phase]))

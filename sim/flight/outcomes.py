@@ -41,6 +41,8 @@ class OutcomeMonitor:
 
     def __call__(self, state: AircraftState, leg: int, finished: str) -> tuple[str, str] | None:
         """(outcome, reason) once the flight is over, else None."""
+        if not math.isfinite(state.north + state.east + state.height + state.airspeed + state.bank):
+            return "diverged", "the motion of the aircraft is no number any more"
         if state.main_wheels > 0.0 or state.height < -1.0:
             verdict = self._contact(state)
             if verdict is not None:

@@ -42,7 +42,7 @@ def _watch(flight: Flight, name: str, sensor: Any, streams: Streams) -> SensorRe
     try:
         state = ask(sensor, "begin", records[0].time, streams)
         for before, after in pairwise(records):
-            state, seen = looks_of(sensor, state, before, after)
+            state, seen = looks_of(sensor, state, before, after, streams.draws)
             looks += seen
     except SensorError as error:
         raise ScenarioError(f"[sensors.{name}] {error}") from error

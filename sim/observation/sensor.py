@@ -198,8 +198,10 @@ def ask(sensor: Any, member: str, *arguments: Any) -> Any:
         raise SensorError(f"{member} raises {_said(error)}") from error
 
 
-def looks_of(sensor: Any, state: Any, before: AircraftState, after: AircraftState) -> tuple[Any, list[Look]]:
-    """``sensor.step``; raises `SensorError` where it gives no looks of the shapes of its channels."""
+def looks_of(
+    sensor: Any, state: Any, before: AircraftState, after: AircraftState, draws: int
+) -> tuple[Any, list[Look]]:
+    """``sensor.step``; raises `SensorError` where it gives no looks of the shapes of its channels and draws."""
     answer = ask(sensor, "step", state, before, after)
     if not (isinstance(answer, tuple) and len(answer) == 2 and isinstance(answer[1], list)):
         raise SensorError(f"step gives {type(answer).__name__}, not (state, list of looks)")
@@ -207,10 +209,16 @@ def looks_of(sensor: Any, state: Any, before: AircraftState, after: AircraftStat
     for look in answer[1]:
         if not isinstance(look, Look):
             raise SensorError(f"step gives a {type(look).__name__} for a look, not a sim.observation.sensor.Look")
-        if np.ndim(look.z) != 2 or len(look.z) != m:
-            raise SensorError(f"step gives z of the shape {np.shape(look.z)}, not ({m}, draws)")
+        if np.shape(look.z) != (m, draws):
+            raise SensorError(f"step gives z of the shape {np.shape(look.z)}, not ({m}, {draws})")
         if np.shape(look.R) not in ((m, m), (m, m, np.shape(look.z)[1])):
             raise SensorError(f"step gives R of the shape {np.shape(look.R)}, not ({m}, {m})")
+        if not np.isfinite(look.R).all():
+            raise SensorError("step gives an R that is not finite")
+        if not before.time < look.epoch <= after.time:
+            raise SensorError(f"step gives a look at {look.epoch} s, not within {before.time:g} and {after.time:g} s")
+        if not look.arrival >= look.epoch:
+            raise SensorError("step gives a look that arrives before its epoch")
     return answer
 
 
@@ -344,10 +352,8 @@ def _looks(sensor: Any, records: list[AircraftState], draws: int) -> list[tuple[
     state = ask(sensor, "begin", records[0].time, Streams(SEED, 0, draws, "trial"))
     found = []
     for before, after in pairwise(records):
-        state, looks = looks_of(sensor, state, before, after)
+        state, looks = looks_of(sensor, state, before, after, draws)
         found += [(before.time, after.time, look) for look in looks]
-    if any(np.shape(look.z)[1] != draws for _, _, look in found):
-        raise SensorError("step gives z of another number of draws than that of the streams")
     return found
 
 

@@ -10,6 +10,7 @@ Whatever a part is, it travels as a `Part`: plain text that any process turns in
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import functools
 import hashlib
@@ -121,9 +122,13 @@ def catalogue_with(plugins: Any = ()) -> Catalogue:
         plugins = (plugins,)
     brought: list[Part] = []
     settled: list[Part] = []
+    if not isinstance(plugins, Iterable):
+        raise ScenarioError(f"plugins: must be modules or paths of files, not {plugins!r}")
     for one in plugins:
         if isinstance(one, Part):
             settled.append(one)
+        elif not isinstance(one, ModuleType | str | Path):
+            raise ScenarioError(f"plugins: must be modules or paths of files, not {one!r}")
         else:
             brought += _of_module(one) if isinstance(one, ModuleType) else _of_file(Path(one))
     return Catalogue(_distinct(brought)).also(settled)
@@ -271,7 +276,8 @@ def _executed(name: str, text: str, origin: str, digest: str) -> ModuleType:
     module.__file__ = origin
     sys.modules[name] = module  # while it runs, too: a dataclass looks its annotations up there
     try:
-        exec(compile(text, origin, "exec", dont_inherit=True), module.__dict__)
+        with contextlib.redirect_stdout(sys.stderr):  # what it prints is no output of the command
+            exec(compile(text, origin, "exec", dont_inherit=True), module.__dict__)
     except BaseException as error:
         del sys.modules[name]
         if isinstance(error, KeyboardInterrupt):
@@ -310,8 +316,11 @@ def _table(module: ModuleType, origin: str, digest: str, text: str | None) -> li
 def _entries(family: str) -> list[importlib.metadata.EntryPoint]:
     """What installed packages bring; a kind that bears a bundled kind's name is none."""
     bundled = catalogue.kinds(family)
-    found = importlib.metadata.entry_points(group=f"shortfinal.{family}")
-    return [entry for entry in found if entry.name not in bundled]
+    try:
+        found = tuple(importlib.metadata.entry_points(group=f"shortfinal.{family}"))
+    except Exception:  # one package whose metadata cannot be read hides those of all; whoever names a kind is told
+        return []
+    return [entry for entry in found if entry.name not in bundled and KIND.fullmatch(entry.name)]
 
 
 def installed_kinds(family: str) -> list[tuple[str, str]]:

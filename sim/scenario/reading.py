@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
 from collections.abc import Callable
@@ -29,6 +30,7 @@ from sim.scenario.tables import (
     WindTable,
 )
 
+SHORTEST_PERIOD = (1 - 1e-9) / 120  # s; the flight is not known in finer steps
 LARGEST_FILE = 1 << 20  # bytes; a scenario is a page of text
 DEEPEST = 100  # dots of one key; many more would keep the reader busy for minutes
 LONGEST_PATH = 200  # characters that are repeated to the user
@@ -152,6 +154,10 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         name: _construct(faults, f"[sensors.{name}]", catalogue.load("sensors", entry["kind"]), entry, runway=runway)
         for name, entry in tables.get("sensors", {}).items()
     }
+    for name, sensor in sensors.items():
+        period = None if sensor is None else getattr(sensor, "period", None)
+        if sensor is not None and not (isinstance(period, int | float) and SHORTEST_PERIOD <= period < math.inf):
+            faults.append(f"[sensors.{name}] period must be a number of at least 1/120 s, not {period!r}")
     trackers = {
         name: _tracker(faults, name, catalogue.load("trackers", entry["kind"]), entry, tables)
         for name, entry in tables.get("trackers", {}).items()

@@ -320,7 +320,7 @@ WRONG_SENSORS = {
         "        def look(",
         "        1 / 0\n\n        def look(",
     ),
-    "[sensors.doppler] step gives z of the shape (2,), not (2, draws)": (
+    "[sensors.doppler] step gives z of the shape (2,), not (2, 2)": (
         "Look(epoch, epoch, z,",
         "Look(epoch, epoch, z[:, 0],",
     ),

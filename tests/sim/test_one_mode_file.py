@@ -239,3 +239,14 @@ def test_a_file_that_is_no_python_is_told_with_its_line(folder):
     (folder / "wings_level.py").write_text("class WingsLevel\n")
     with pytest.raises(ScenarioError, match=r"autopilot.modes.wings_level: cannot be imported: .* \(line 1\)"):
         scenario()
+
+
+def test_a_bank_that_is_no_number_ends_the_flight(folder):
+    """It is flown no further, and no check passes on what follows."""
+    late = "return (np.nan if deviation.distance_to_go < 29_000.0 else 0.0) + 0.0 * deviation.cross_track"
+    (folder / "wings_level.py").write_text(
+        "import numpy as np\n" + LEAST.replace("return 0.0 * deviation.cross_track", late)
+    )
+    flight = fly(prepare(scenario()))
+    assert (flight.outcome, flight.reason) == ("diverged", "the law commands a bank of nan rad")
+    assert 12.0 < flight.time[-1] < 13.0  # 1000 m at 80 m/s

@@ -183,7 +183,7 @@ def test_a_law_without_an_intercept_is_refused():
         def __call__(self, deviation):
             return 0.0 * deviation.cross_track
 
-    with pytest.raises(ValueError, match="the wings-level law has no limit of its intercept"):
+    with pytest.raises(ValueError, match="the wings-level law names no limit in its 'intercept'"):
         IntentImm(Straight(), LINE, CROSS_TRACK)
 
 

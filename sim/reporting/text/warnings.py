@@ -22,6 +22,11 @@ def warnings(
         for name, figures in trackers.items()
         if "look_ahead" not in figures
     ]
+    found += [
+        f"tracker '{name}' gives estimates that are no numbers"
+        for name, figures in trackers.items()
+        if any(figure["rmse"] is None or not np.isfinite(figure["rmse"]) for figure in figures["overall"].values())
+    ]
     return [sentence for sentence in found if sentence]
 
 

@@ -59,7 +59,7 @@ FAULTS = {
     "outline must be a tuple": ("return ()  #", "return ((0.0, 0.0),)  #"),
     "step gives NoneType": ("return looks_until(", "looks_until("),
     "step gives a tuple for a look": ("return Look(epoch, epoch, z, np.diag(sigma**2))", "return (epoch, z)"),
-    "step gives z of the shape (2,), not (2, draws)": ("Look(epoch, epoch, z,", "Look(epoch, epoch, z[:, 0],"),
+    "step gives z of the shape (2,), not (2, 20)": ("Look(epoch, epoch, z,", "Look(epoch, epoch, z[:, 0],"),
     "step gives R of the shape (2,), not (2, 2)": ("np.diag(sigma**2))", "sigma**2)"),
     "step gives a look that arrives before its epoch": ("Look(epoch, epoch,", "Look(epoch, epoch - 1.0,"),
     "step measures something infinite": ("Look(epoch, epoch, z,", "Look(epoch, epoch, z * np.inf,"),
