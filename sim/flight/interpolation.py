@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from aircraft.state import AircraftState
 from sim.flight.record import Flight
+from tracking.measurement import wrap
 
 
 def position_at(before: AircraftState, after: AircraftState, time: float) -> np.ndarray:
@@ -39,7 +39,7 @@ def _linear(before: AircraftState, after: AircraftState, share: Any) -> Aircraft
     values = [first + share * (last - first) for first, last in zip(before, after, strict=True)]
     for index in ATTITUDE:
         first = before[index]
-        values[index] = first + share * ((after[index] - first + math.pi) % (2 * math.pi) - math.pi)
+        values[index] = first + share * wrap(after[index] - first)
     return AircraftState(*values)
 
 

@@ -12,6 +12,7 @@ from aircraft.state import STANDARD_GRAVITY
 from sim.flight.record import RECORD_STEP, Flight
 from sim.metrics.signals import bank_rate, crab, height_error
 from sim.scenario.tables import Runway
+from tracking.measurement import wrap
 
 SETTLED = 0.02  # of the deviation at the start of the leg
 SETTLED_LEAST = 5.0  # m; nothing smaller is asked of a capture that starts close
@@ -157,7 +158,7 @@ def touchdown(flight: Flight, runway: Runway) -> Touchdown | None:
         cross_track=across,
         sink=-s.velocity_up[before],
         drift=s.velocity_east[before] * along[0] - s.velocity_north[before] * along[1],
-        crab=np.remainder(s.heading[before] - runway.heading + np.pi, 2 * np.pi) - np.pi,
+        crab=wrap(s.heading[before] - runway.heading),
         bank=s.bank[before],
         airspeed=s.airspeed[before],
         before=int(before),

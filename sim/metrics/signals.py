@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.flight.record import Flight
 from sim.scenario.tables import Runway
+from tracking.measurement import wrap
 
 DOT = 0.35  # deg, of a glide-path needle [full scale 0.7 deg at 3 deg]
 
@@ -35,7 +36,7 @@ def bank_rate(flight: Flight) -> np.ndarray:
 def crab(flight: Flight) -> np.ndarray:
     """Heading minus ground track, rad, -pi..pi."""
     s = flight.state
-    return np.asarray(np.remainder(s.heading - s.course + np.pi, 2 * np.pi) - np.pi)
+    return np.asarray(wrap(s.heading - s.course))
 
 
 def glide_dots(flight: Flight, runway: Runway) -> np.ndarray:

@@ -12,6 +12,7 @@ from aircraft.state import AircraftState
 from sim.observation.sensor import Look
 from sim.randomness import Rows
 from sim.scenario.tables import Runway
+from tracking.measurement import wrap
 
 ARC = 2.0  # deg of an outline between two corners
 FAR = 20 * 1852.0  # m, how far what sees as far as it likes is drawn
@@ -40,11 +41,6 @@ def no_outline(sensor: Any) -> tuple[tuple[float, float], ...]:
     return ()
 
 
-def wrapped(angle: Any) -> Any:
-    """Angle in -pi..pi."""
-    return (angle + math.pi) % (2 * math.pi) - math.pi
-
-
 def place(state: AircraftState) -> tuple[Any, Any, Any]:
     """(north, east, height) of a state, m."""
     return state.north, state.east, state.height
@@ -54,7 +50,7 @@ def polar(position: Any, antenna: tuple[float, float, float], zero: float) -> tu
     """(slant range m, azimuth rad, elevation rad) of (north, east, height); azimuth + right seen from the antenna."""
     north, east, up = (p - a for p, a in zip(position, antenna, strict=True))
     ground = np.hypot(north, east)
-    return np.hypot(ground, up), wrapped(np.arctan2(east, north) - zero), np.arctan2(up, ground)
+    return np.hypot(ground, up), wrap(np.arctan2(east, north) - zero), np.arctan2(up, ground)
 
 
 class Sampling(NamedTuple):

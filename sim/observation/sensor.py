@@ -23,6 +23,7 @@ import numpy as np
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
 from sim.randomness import Streams
+from tracking.measurement import wrap
 
 DEGREES = 180 / np.pi  # of a radian
 
@@ -376,7 +377,7 @@ def _noise(sensor: Any, records: list[AircraftState], epochs: Any, z: Any, varia
     states = [state_at(records[i], records[i + 1], epoch) for i, epoch in zip(first, epochs, strict=True)]
     error = z - np.stack([sensor.truth(state) for state in states])[..., None]
     for row, name in enumerate(sensor.channels):
-        own = (error[:, row] + np.pi) % (2 * np.pi) - np.pi if quantity_of(name).wraps else error[:, row]
+        own = wrap(error[:, row]) if quantity_of(name).wraps else error[:, row]
         share = own**2 / variance[:, row]
         if not np.isfinite(share).any():
             yield f"step never measures {name}"

@@ -9,10 +9,11 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 
 from aircraft.state import AircraftState
-from sim.observation.antenna import Sampling, at_least_a_step, looks_until, no_outline, positive, wrapped
+from sim.observation.antenna import Sampling, at_least_a_step, looks_until, no_outline, positive
 from sim.observation.sensor import Look
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
+from tracking.measurement import wrap
 
 CHANNELS = (
     "load_factor_forward",
@@ -95,7 +96,7 @@ class Downlink:
             share = (epoch - before.time) / (after.time - before.time)
             first, second = self.truth(before), self.truth(after)
             change = second - first
-            change[3:] = wrapped(change[3:])
+            change[3:] = wrap(change[3:])
             exact = first + share * change + self.biases()
             z = exact[:, None] + self.sigmas()[:, None] * noise
             return Look(epoch, epoch + self.latency, z, np.diag(self.sigmas() ** 2))

@@ -10,13 +10,14 @@ import pytest
 from scipy import stats
 
 from aircraft.state import AircraftState
-from sim.observation.antenna import inside, polar, wrapped
+from sim.observation.antenna import inside, polar
 from sim.observation.record import measurements, observe
 from sim.observation.sensor import broken_promises, quantity_of
 from sim.randomness import Streams
 from sim.scenario import catalogue
 from sim.scenario.parameters import construct
 from sim.scenario.tables import Runway
+from tracking.measurement import wrap
 from tracking.trackers.switching_noise import BeamNoise
 
 RUNWAY = Runway(heading=math.radians(80.0))
@@ -80,7 +81,7 @@ def test_noise_passes_a_chi_square_against_the_stated_covariance(kind, variant, 
     record = observe(glide, {"x": sensor}, seed=5, draws=40)["x"]
     error = record.z - truth_at(sensor, glide, record.time).T[:, :, None]
     angles = [i for i, name in enumerate(sensor.channels) if quantity_of(name).wraps]
-    error[:, angles] = wrapped(error[:, angles])
+    error[:, angles] = wrap(error[:, angles])
     R = record.R if record.R.ndim == 4 else record.R[..., None]
     squares = np.einsum("kdn,kdn->kn", error, error / np.einsum("kddn->kdn", R))
     squares = squares[np.isfinite(squares)]
