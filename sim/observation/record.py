@@ -87,6 +87,8 @@ def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> 
         z[place, row : row + n] = record.z
         R[place, row : row + n, row : row + n] = record.R if record.R.ndim == 4 else record.R[..., None]
         row += n
+    for shared in (z, R):
+        shared.flags.writeable = False  # by all trackers: none may change what the others see
     return Measurements(channels, stamps[:, 1], stamps[:, 0], z, R, candidates)
 
 

@@ -112,9 +112,9 @@ def model_of(
         if len(parameter.keys) == 1 and required:
             fields[next(iter(parameter.keys))] = (hint, ...)
         else:
-            described = "" if parameter.required or parameter.default is None else f"default {parameter.default!r} SI"
-            for key in parameter.keys:
-                fields[key] = (hint | None, Field(default=None, description=described or None))
+            for key, factor in parameter.keys.items():
+                described = _default_in_words(parameter, factor)
+                fields[key] = (hint | None, Field(default=None, description=described))
     if kind is not None:
         fields["kind"] = (typing.Literal[kind], kind if defaulted_kind else ...)
 
@@ -131,6 +131,18 @@ def model_of(
 
     validators: dict[str, Any] = {"one_spelling": model_validator(mode="before")(one_spelling)}
     return create_model(cls.__name__, __config__=ConfigDict(extra="forbid"), __validators__=validators, **fields)
+
+
+def _default_in_words(parameter: Parameter, factor: float) -> str | None:
+    """What a key is where a file does not have it, in the unit of the key; None where that is nothing."""
+    default = parameter.default
+    if parameter.required or default is None:
+        return None
+    if isinstance(default, int | float) and not isinstance(default, bool):
+        return f"default {default / factor:.6g}"
+    if isinstance(default, tuple) and all(isinstance(one, int | float) for one in default):
+        return f"default {[float(f'{one / factor:.6g}') for one in default]}"
+    return f"default {default!r}"
 
 
 def construct(cls: type, table: dict[str, Any], **given: Any) -> Any:

@@ -11,7 +11,7 @@ from scipy import stats
 
 from aircraft.state import AircraftState
 from sim.observation.antenna import inside, polar
-from sim.observation.record import measurements, observe
+from sim.observation.record import SensorRecord, measurements, observe
 from sim.observation.sensor import broken_promises, quantity_of
 from sim.randomness import Streams
 from sim.scenario import catalogue
@@ -234,3 +234,11 @@ def test_two_sensors_are_merged_in_order_of_arrival(glide):
 def test_bad_parameters_are_told(kind, variant, said):
     with pytest.raises(ValueError, match=said):
         build(kind, variant)
+
+
+def test_no_tracker_can_change_what_the_others_are_given():
+    record = SensorRecord(("range",), np.array([1.0]), np.array([1.0]), np.zeros((1, 1, 2)), np.ones((1, 1, 1)))
+    seen = measurements({"dme": record}, ("dme",))
+    for shared in (seen.z, seen.R):
+        with pytest.raises(ValueError, match="read-only"):
+            shared[0] = 1.0
