@@ -104,9 +104,8 @@ if TYPE_CHECKING:
     from sim.observation.record import SensorRecord, observe
     from sim.result import Result
     from sim.scenario.model import Scenario
+    from sim.versions import __version__ as __version__
     from tracking.track import Measurements, Track
-
-__version__ = "0.1.0"
 
 __all__ = [
     "AircraftState",
@@ -140,6 +139,7 @@ _HOMES = {
     "sim.observation.record": ("SensorRecord", "observe"),
     "sim.result": ("Result",),
     "sim.scenario.model": ("Scenario",),
+    "sim.versions": ("__version__",),
     "tracking.track": ("Measurements", "Track"),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}

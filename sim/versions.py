@@ -8,6 +8,7 @@ import platform
 from collections.abc import Mapping
 from typing import Any
 
+__version__ = "0.1.0"
 DISTRIBUTIONS = (
     "jsbsim",
     "numpy",
@@ -25,8 +26,6 @@ DISTRIBUTIONS = (
 def versions(parts: Mapping[str, str] | None = None) -> dict[str, Any]:
     """Versions of what decides the numbers of a run; ``parts`` from outside have their digests beside them."""
     found = {name: importlib.metadata.version(name) for name in ("jsbsim", "numpy", "scipy")}
-    from sim import __version__
-
     ours = {"shortfinal": __version__, "python": platform.python_version(), "platform": platform.platform(), **found}
     return {**ours, "parts": dict(parts)} if parts else ours
 
