@@ -311,6 +311,7 @@ def _law(scenario: Scenario, case: DesignCase) -> Mode:
     mode: type[Mode] = scenario.modes[scenario.mode]
     try:
         law = mode.designed(scenario.law, case)
+        _ = law.explain(), law.limits()  # what reports will ask: a part that fails there is told before it flies
     except Exception as error:
         if not is_outside(mode) or isinstance(error, ValueError):
             raise
