@@ -81,9 +81,12 @@ def plain(value: Any) -> Any:
 
 
 def write_npz(path: Path, arrays: dict[str, Any]) -> None:
-    """A file of named arrays; the name of each carries its unit. Noise does not compress, so nothing is compressed."""
+    """A file of named arrays; the name of each carries its unit. Noise does not compress, so nothing is compressed.
+
+    Raises ``ValueError`` for arrays of objects, which only a pickle could hold.
+    """
     with path.open("wb") as file:
-        np.savez(file, allow_pickle=True, **{name: np.asarray(array) for name, array in arrays.items()})
+        np.savez(file, allow_pickle=False, **{name: np.asarray(array) for name, array in arrays.items()})
 
 
 def replace(path: Path, text: str) -> None:

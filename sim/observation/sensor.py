@@ -360,11 +360,9 @@ def _looks(sensor: Any, records: list[AircraftState], draws: int) -> list[tuple[
 
 def _check(sensor: Any, look: Look) -> None:
     R = look.R if look.R.ndim == 3 else look.R[..., None]
-    if look.arrival < look.epoch:
-        raise SensorError("step gives a look that arrives before its epoch")
     if np.isinf(look.z).any():
         raise SensorError("step measures something infinite; what is absent is NaN")
-    if not np.isfinite(R).all() or (np.einsum("iin->in", R) <= 0.0).any() or not np.allclose(R, R.swapaxes(0, 1)):
+    if (np.einsum("iin->in", R) <= 0.0).any() or not np.allclose(R, R.swapaxes(0, 1)):
         raise SensorError("step gives an R that is no covariance: symmetric, with variances above 0")
     if (look.candidates is None) != (sensor.clutter == 0.0):
         raise SensorError("step gives candidates where there is no clutter, or none where there is")

@@ -315,11 +315,14 @@ def _table(module: ModuleType, origin: str, digest: str, text: str | None) -> li
 
 def _entries(family: str) -> list[importlib.metadata.EntryPoint]:
     """What installed packages bring; a kind that bears a bundled kind's name is none."""
-    bundled = catalogue.kinds(family)
+    bundled, group = catalogue.kinds(family), f"shortfinal.{family}"
+    found: list[importlib.metadata.EntryPoint] = []
     try:
-        found = tuple(importlib.metadata.entry_points(group=f"shortfinal.{family}"))
-    except Exception:  # one package whose metadata cannot be read hides those of all; whoever names a kind is told
-        return []
+        found += importlib.metadata.entry_points(group=group)
+    except Exception:  # the metadata of some package cannot be read: all others still count
+        for distribution in importlib.metadata.distributions():
+            with contextlib.suppress(Exception):
+                found += distribution.entry_points.select(group=group)
     return [entry for entry in found if entry.name not in bundled and KIND.fullmatch(entry.name)]
 
 

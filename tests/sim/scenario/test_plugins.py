@@ -136,6 +136,14 @@ def test_a_scenario_alone_runs_no_code(tmp_path):
     )
 
 
+def test_a_package_that_cannot_be_read_hides_no_other(site):
+    site("foreign", ENTRIES, FILE.read_text())
+    folder = site("garbled", [("sensors", "wreck", "Wreck")], "")
+    (folder / "garbled-1.0.dist-info" / "entry_points.txt").write_bytes(b"\xff\xfe[shortfinal.sensors]\x00")
+    assert "beacon" in catalogue_with().kinds("sensors")
+    assert read(TABLES).parts
+
+
 def test_packages_are_imported_only_when_a_scenario_names_them(site, capsys):
     site("foreign", ENTRIES, FILE.read_text())
     site("broken", [("sensors", "wreck", "Wreck")], "1 / 0")
