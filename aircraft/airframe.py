@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, Protocol
 import jsbsim
 
 from aircraft import loading, model_files, properties, repairs
+from aircraft.air import Air
 from aircraft.data import AircraftData, describe
 from aircraft.errors import FlightError, ModelError
 from aircraft.executive import fresh_executive, sentence
@@ -63,15 +64,25 @@ class Airframe:
     """One aircraft in flight: ``load`` it, ``begin`` it (again and again until it has moved), then ``step`` it."""
 
     def __init__(
-        self, executive: Any, aircraft: AircraftData, runway: Runway, main_gear: tuple[int, ...], has_propellers: bool
+        self,
+        executive: Any,
+        aircraft: AircraftData,
+        runway: Runway,
+        main_gear: tuple[int, ...],
+        has_propellers: bool,
+        air: Air | None = None,
     ) -> None:
         self.data = aircraft
         self.runway = runway
+        self.air = air or Air(runway.elevation)
         self.repairs: tuple[str, ...] = ()  # what the model needed to fly here
         self._executive = executive
         self._run = executive.run
         manager = executive.get_property_manager()
         self._manager = manager
+        if air is not None and not air.is_standard:  # before anything trims or starts in it
+            for wanted, value in zip(properties.AIR, (air.temperature_shift, air.sea_level_pressure), strict=True):
+                setter(manager, wanted)(value / wanted.factor)
         self._accelerations = [getter(manager, wanted) for wanted in properties.ACCELERATIONS]
         self._mass = getter(manager, properties.MASS)
         self._main_wheels = [node(manager, f"gear/unit[{unit}]/WOW").get_double_value for unit in main_gear]
@@ -187,7 +198,7 @@ class Airframe:
         """The state now; raises ``FlightError`` with the last good one when a number is not finite."""
         values = [get() for get in self._seen]
         time, latitude, longitude, height, north, east, down, bank, pitch, heading, p, q, r, speed, *rest = values
-        alpha, beta, forward, right, downward, flaps, gear = rest
+        equivalent, alpha, beta, forward, right, downward, flaps, gear = rest
         if not math.isfinite(latitude + longitude + height + north + east + down + bank + p + q + r + speed):
             raise FlightError(f"the motion is not finite at {time:.2f} s", time, self._last)
         scale = self._specific_force
@@ -213,6 +224,7 @@ class Airframe:
                 q,
                 r,
                 speed * FOOT,
+                equivalent * FOOT,
                 alpha,
                 beta,
                 forward * scale,
@@ -280,6 +292,7 @@ def load(
     centre_of_gravity_mac: float | None = None,
     factors: Mapping[str, float] | None = None,
     runway: Runway | None = None,
+    air: Air | None = None,
 ) -> Airframe:
     """A fresh aircraft: ours or a stock one by name, or a user's folder by path.
 
@@ -288,6 +301,7 @@ def load(
     mass : total, kg; None = as the model says.
     centre_of_gravity_mac : share of the mean aerodynamic chord; needs an aircraft that states its chord.
     factors : scales of groups of coefficients, by the names that the aircraft declares.
+    air : over the runway; None = the standard atmosphere.
 
     Raises ``ModelError`` with one sentence for anything that cannot be loaded.
     """
@@ -315,17 +329,17 @@ def load(
         loading.apply_centre_of_gravity(
             source, aircraft.chord_leading_edge + centre_of_gravity_mac * aircraft.mean_chord
         )
-    return _built(source, aircraft, runway or Runway(), repairs.is_stock(model))
+    return _built(source, aircraft, runway or Runway(), air, repairs.is_stock(model))
 
 
-def _built(source: model_files.Model, aircraft: AircraftData, runway: Runway, stock: bool) -> Airframe:
+def _built(source: model_files.Model, aircraft: AircraftData, runway: Runway, air: Air | None, stock: bool) -> Airframe:
     """The airframe of a model; a stock one is repaired where it waits for another simulator."""
     told = repairs.drive_directly(source) if stock else None
     wheels = tuple(wheel.number for wheel in main_wheels(source))
     while True:
         executive = fresh_executive(source, RATE)
         try:
-            airframe = Airframe(executive, aircraft, runway, wheels, repairs.has_propellers(source))
+            airframe = Airframe(executive, aircraft, runway, wheels, repairs.has_propellers(source), air)
         except (KeyError, jsbsim.BaseError) as error:
             said = sentence([*map(str, error.args)])
             if not stock or not repairs.define_missing(source, said):

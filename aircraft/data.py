@@ -23,8 +23,8 @@ class FlapSetting:
     """One detent of the flap lever."""
 
     flaps: Annotated[float, "rad"]
-    placard_speed: Annotated[float, "m/s"]  # indicated
-    stall_speed: Annotated[float, "m/s"]  # at ``AircraftData.reference_mass``, sea level
+    placard_speed: Annotated[float, "m/s"]  # indicated, taken as equivalent
+    stall_speed: Annotated[float, "m/s"]  # equivalent, at ``AircraftData.reference_mass``
 
     def __post_init__(self) -> None:
         if not (self.flaps >= 0.0 and self.stall_speed > 0.0):
@@ -60,12 +60,15 @@ class AircraftData:
             if not getattr(self, f"{name}_min") <= getattr(self, f"{name}_max"):
                 raise ModelError(f"the data of '{self.title}' have {name}_min above {name}_max")
 
-    def stall_speed(self, flaps: float, mass: float) -> float:
-        """Stall speed, m/s, of the flap setting nearest to ``flaps`` (rad), scaled by the root of the mass (kg)."""
+    def setting(self, flaps: float) -> FlapSetting:
+        """The flap setting nearest to ``flaps`` (rad); raises ``ModelError`` where none is known."""
         if not self.flap_settings:
             raise ModelError(f"the data of '{self.title}' state no stall speed")
-        nearest = min(self.flap_settings, key=lambda setting: abs(setting.flaps - flaps))
-        return nearest.stall_speed * math.sqrt(mass / self.reference_mass)
+        return min(self.flap_settings, key=lambda setting: abs(setting.flaps - flaps))
+
+    def stall_speed(self, flaps: float, mass: float) -> float:
+        """Stall speed, m/s equivalent, of the setting nearest to ``flaps`` (rad), by the root of the mass (kg)."""
+        return self.setting(flaps).stall_speed * math.sqrt(mass / self.reference_mass)
 
 
 def data(model: str | Path) -> AircraftData:

@@ -6,11 +6,12 @@ It takes the commands of the autopilot directly. Floats or arrays of runs; its s
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from aircraft.air import Air
 from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
 
 Real = Any
@@ -53,6 +54,9 @@ class PointMass:
     height_lag: Annotated[float, "s"] = 5.0
     flap_rate: Annotated[float, "rad/s"] = math.radians(38.0 / 15.0)
     gear_rate: Annotated[float, "Hz"] = 0.1
+    air: Annotated[Air, "given"] = field(
+        default_factory=Air
+    )  # of its equivalent airspeed; nothing else depends on the density
 
     def __post_init__(self) -> None:
         for name in ("roll_lag", "path_lag", "speed_lag", "height_lag"):
@@ -157,6 +161,7 @@ class PointMass:
             state.path_rate * cos_bank + turning * cos_path * sin_bank,
             turning * cos_path * cos_bank - state.path_rate * sin_bank,
             state.airspeed,
+            state.airspeed * self.air.equivalent_share(state.height),
             nothing,
             nothing,
             state.acceleration + STANDARD_GRAVITY * sin_path,

@@ -36,6 +36,7 @@ STATE = (  # in the order of AircraftState, up to and including sideslip
     Property("velocities/q-rad_sec", 1.0, "pitch rate"),
     Property("velocities/r-rad_sec", 1.0, "yaw rate"),
     Property("velocities/vt-fps", FOOT, "true airspeed"),
+    Property("velocities/ve-fps", FOOT, "equivalent airspeed"),
     Property("aero/alpha-rad", 1.0, "angle of attack"),
     Property("aero/beta-rad", 1.0, "sideslip"),
 )
@@ -70,6 +71,10 @@ WIND = (
     Property("atmosphere/wind-north-fps", FOOT, "the way the air moves, north"),
     Property("atmosphere/wind-east-fps", FOOT, "the way the air moves, east"),
     Property("atmosphere/wind-down-fps", -FOOT, "the way the air moves, up"),
+)
+AIR = (
+    Property("atmosphere/delta-T", 5.0 / 9.0, "temperature in excess of the standard one, K, at every height"),
+    Property("atmosphere/P-sl-psf", 47.88025898033584, "pressure at sea level, Pa"),
 )
 INITIAL = (
     Property("ic/terrain-elevation-ft", FOOT, "elevation of the ground"),

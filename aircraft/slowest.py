@@ -64,7 +64,7 @@ def why_not(airframe: Airframe) -> str:
 
 
 def flap_settings(model: str | Path) -> tuple[FlapSetting, ...]:
-    """Slowest level flight, gear down, without flaps, at half and at full flaps; empty when there is none.
+    """Slowest level flight, gear down, without flaps, at half and at full flaps, equivalent airspeeds; or empty.
 
     The slowest trim stands for the stall: whichever of wing, elevator and power gives out first. Placards are not
     known of such an aircraft.
@@ -76,12 +76,13 @@ def flap_settings(model: str | Path) -> tuple[FlapSetting, ...]:
 @functools.cache
 def _measured(model: str | Path, changed: int) -> tuple[FlapSetting, ...]:
     airframe = load(model)
+    share_there = airframe.air.equivalent_share(HEIGHT)
     settings = []
     for share in SHARES if airframe.full_flaps > 0.0 else SHARES[:1]:
         flaps = share * airframe.full_flaps
         found = slowest(airframe, flaps)
         if found is not None:
-            settings.append(FlapSetting(flaps, math.inf, found.initial.airspeed))
+            settings.append(FlapSetting(flaps, math.inf, found.initial.airspeed * share_there))
         elif not settings:
             break  # what does not fly clean does not fly
     return tuple(settings)

@@ -34,6 +34,7 @@ class AircraftState(NamedTuple):
     pitch_rate: Real  # rad/s
     yaw_rate: Real  # rad/s
     airspeed: Real  # m/s, true
+    equivalent_airspeed: Real  # m/s, of the same dynamic pressure in the standard air of sea level, as indicated
     angle_of_attack: Real  # rad
     sideslip: Real  # rad, + wind from the right
     specific_force_forward: Real  # m/s2, body axes, everything but gravity

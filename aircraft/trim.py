@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
+from aircraft.air import STANDARD_DENSITY
 from aircraft.airframe import Airframe, InitialCondition
 from aircraft.errors import TrimError
 from aircraft.state import Controls
@@ -19,6 +21,8 @@ STALE_NEAR = 4  # from a neighbouring trim
 FALLING = 0.3  # of the residual from one iteration to the next, from a neighbouring trim: its Jacobian still serves
 DIFFERENCE = 1e-4  # of the central differences: rad and share of control
 LARGEST_STEP = np.array([math.radians(3.0), 0.2, 0.2, math.radians(5.0), 0.2, 0.2])
+TOO_WEAK = "it needs more than full power"
+SHORTFALLS = 8  # iterations of the search for the power that lacks
 STALLED = 0.25  # rad of body incidence; no aeroplane of ours carries its weight beyond
 
 
@@ -75,7 +79,7 @@ def trim(
         pitch = _pitch(alpha, bank, flight_path_angle)
         return InitialCondition(0.0, 0.0, height, 0.0, pitch, bank, airspeed, alpha, 0.0, controls)
 
-    def residual(unknowns: np.ndarray) -> np.ndarray:
+    def residual(unknowns: np.ndarray, acceleration: float = acceleration) -> np.ndarray:
         state = airframe.begin(condition(unknowns))
         along, side, down, roll, pitch, yaw = airframe.accelerations()
         alpha = state.angle_of_attack
@@ -103,7 +107,10 @@ def trim(
         unknowns = np.clip(unknowns, [-0.3, 0.0, -1.0, -0.5, -1.0, -1.0], [0.6, 1.0, 1.0, 0.5, 1.0, 1.0])
     remaining = float(np.abs(residual(unknowns)).max())
     if not remaining < ACCEPTED:
-        raise TrimError(_failure(airframe.data.title, airspeed, flight_path_angle, unknowns, remaining))
+        told = _failure(airframe.data.title, airspeed, flight_path_angle, unknowns, remaining)
+        if told.endswith(TOO_WEAK) and near is None:
+            told += _lacking(airframe, residual, unknowns, acceleration, airspeed, height, flaps)
+        raise TrimError(told)
     return Trim(condition(unknowns), flight_path_angle, remaining)
 
 
@@ -127,10 +134,42 @@ def _failure(title: str, airspeed: float, flight_path_angle: float, unknowns: np
     if alpha > STALLED:
         return f"{where}: it is too slow, the wing stalls before it carries the weight"
     if throttle > 0.999:
-        return f"{where}: it needs more than full power"
+        return f"{where}: {TOO_WEAK}"
     if throttle < 0.001:
         return f"{where}: it needs less than idle power"
     for name, value in (("elevator", elevator), ("aileron", aileron), ("rudder", rudder)):
         if abs(value) > 0.999:
             return f"{where}: the {name} is at its stop"
     return f"{where}: {remaining:.2g} m/s2 remain, whatever the controls"
+
+
+def _lacking(
+    airframe: Airframe,
+    residual: Callable[[np.ndarray, float], np.ndarray],
+    unknowns: np.ndarray,
+    acceleration: float,
+    airspeed: float,
+    height: float,
+    flaps: float,
+) -> str:
+    """What lacks at full power: the same Newton iteration with the acceleration along the path for the power lever."""
+    full, unknowns = unknowns[1], np.array([*unknowns[:1], acceleration, *unknowns[2:]])
+
+    def error_of(x: np.ndarray) -> np.ndarray:
+        return residual(np.array([x[0], full, *x[2:]]), float(x[1]))
+
+    for _ in range(SHORTFALLS):
+        error = error_of(unknowns)
+        jacobian = np.column_stack(
+            [
+                (error_of(unknowns + step) - error_of(unknowns - step)) / (2.0 * DIFFERENCE)
+                for step in DIFFERENCE * np.eye(6)
+            ]
+        )
+        unknowns = unknowns - np.linalg.lstsq(jacobian, error, rcond=1e-10)[0]
+    if not float(np.abs(error_of(unknowns)).max()) < ACCEPTED:
+        return ""
+    force = airframe.mass * (acceleration - float(unknowns[1]))
+    share = float(airframe.air.density(height)) / STANDARD_DENSITY
+    lacks = f"{force * airspeed / 1e3:.0f} kW lack, {force / 1e3:.2f} kN of thrust"
+    return f": {lacks}, with flaps at {math.degrees(flaps):.0f} deg in air of {share:.2f} of the density of sea level"

@@ -32,6 +32,8 @@ SUFFIXES: dict[str, tuple[str, float]] = {
     "lb": ("kg", 0.45359237),
     "lbf": ("N", 4.4482216152605),
     "n": ("N", 1.0),
+    "c": ("degC", 1.0),
+    "hpa": ("Pa", 100.0),
     "db": ("dB", 1.0),
 }
 
@@ -51,6 +53,8 @@ PREFERRED = (
     "hz",
     "db",
     "n",
+    "c",
+    "hpa",
 )
 
 

@@ -54,7 +54,8 @@ class OperatingPoint(NamedTuple):
 
     flaps: float  # rad
     gear: float
-    airspeed: float  # m/s
+    airspeed: float  # m/s, true
+    equivalent_airspeed: float  # m/s
     angle_of_attack: float  # rad
     elevator: float
     throttle: float
@@ -63,7 +64,7 @@ class OperatingPoint(NamedTuple):
 
 
 class Schedule(NamedTuple):
-    """One flap setting: each value of SCHEDULED is ``constant + slope / airspeed^2``, as lift coefficients vary."""
+    """One flap setting: each of SCHEDULED is ``constant + slope / equivalent airspeed^2``, as lift coefficients."""
 
     flaps: float
     constant: tuple[float, ...]
@@ -129,11 +130,11 @@ def design(points: Sequence[OperatingPoint], speed: float, bank_limit: float) ->
     settings = sorted({point.flaps for point in points})
     schedules = []
     for flaps in settings:
-        alike = sorted((point for point in points if point.flaps == flaps), key=lambda point: point.airspeed)
+        alike = sorted((point for point in points if point.flaps == flaps), key=lambda point: point.equivalent_airspeed)
         slow, fast = alike[0], alike[-1]
-        if slow.airspeed == fast.airspeed:
+        if slow.equivalent_airspeed == fast.equivalent_airspeed:
             raise ValueError(f"the design needs two speeds with flaps at {math.degrees(flaps):.0f} deg, not one")
-        x_slow, x_fast = slow.airspeed**-2, fast.airspeed**-2
+        x_slow, x_fast = slow.equivalent_airspeed**-2, fast.equivalent_airspeed**-2
         at_slow, at_fast = np.array(_scheduled(slow)), np.array(_scheduled(fast))
         slope = (at_slow - at_fast) / (x_slow - x_fast)
         schedules.append(Schedule(flaps, tuple(map(float, at_slow - slope * x_slow)), tuple(map(float, slope))))

@@ -20,15 +20,17 @@ GUST_TIME = 5.0  # s; slower changes of the wind count as airspeed
 AIRSPEED_ERROR, HEIGHT_ERROR = 8.0, 20.0  # m/s, m: larger errors are not acted upon harder
 LOWEST, HIGHEST = 0.7, 1.4  # load factors that the feed-forward believes
 TRIMS = 3  # of SCHEDULED come first: angle of attack, elevator, throttle
-STALE = 0.01  # relative change of airspeed squared, or rad of flaps, after which the gains are looked up again
+STALE = (
+    0.01  # relative change of equivalent airspeed squared, or rad of flaps, after which the gains are looked up again
+)
 LONGITUDINAL = SCHEDULED.index("aileron_sideslip") - TRIMS
 MOTION = slice(AircraftState._fields.index("height"), AircraftState._fields.index("sideslip") + 1)
 
 
 class Lookup(NamedTuple):
-    """The schedule at one airspeed and flap angle."""
+    """The schedule at one equivalent airspeed and flap angle."""
 
-    inverse_square: float  # s2/m2, of the airspeed
+    inverse_square: float  # s2/m2, of the equivalent airspeed
     flaps: float  # rad
     trim: tuple[float, ...]  # constant and slope of angle of attack, elevator, throttle
     longitudinal: tuple[float, ...]  # the throttle and elevator gains of SCHEDULED
@@ -68,7 +70,7 @@ class InnerLoops:
             state.velocity_east - level * sin(state.heading + state.sideslip),
             state.airspeed,
             slope,
-            self.lookup(state.airspeed**-2.0, state.flaps),
+            self.lookup(state.equivalent_airspeed**-2.0, state.flaps),
         )
         hold = Command(state.bank, slope, state.height, state.airspeed, state.flaps, state.gear, state.sideslip)
         _, controls = self.step(s, hold, state, 1e-9)
@@ -80,7 +82,7 @@ class InnerLoops:
         )
 
     def lookup(self, inverse_square: float, flaps: float) -> Lookup:
-        """The schedule at 1/airspeed^2 (s2/m2) and flaps (rad)."""
+        """The schedule at 1/equivalent airspeed^2 (s2/m2) and flaps (rad)."""
         schedules = self.designed.schedules
         low, high, share = schedules[0], schedules[0], 0.0
         for below, above in pairwise(schedules):
@@ -120,11 +122,13 @@ class InnerLoops:
             roll_rate,
             pitch_rate,
             yaw_rate,
-            indicated,
+            measured,
+            equivalent,
             _,
             sideslip,
         ) = state[MOTION]
-        inverse_square, flaps = 1.0 / (wanted_airspeed * wanted_airspeed), state.flaps
+        wanted = wanted_airspeed * equivalent / measured  # equivalent: wing and controls feel the dynamic pressure
+        inverse_square, flaps = 1.0 / (wanted * wanted), state.flaps
         known, known_flaps, trim, longitudinal, lateral = lookup
         if abs(inverse_square - known) > STALE * known or abs(flaps - known_flaps) > STALE:
             lookup = self.lookup(inverse_square, flaps)
@@ -136,7 +140,7 @@ class InnerLoops:
 
         cos_bank, sin_bank = cos(bank), sin(bank)
         over_ground = sqrt(velocity_north * velocity_north + velocity_east * velocity_east)
-        level = indicated - 0.5 * climb * climb / indicated
+        level = measured - 0.5 * climb * climb / measured
         share = dt / GUST_TIME
         wind_north += (velocity_north - level * cos(heading + sideslip) - wind_north) * share
         wind_east += (velocity_east - level * sin(heading + sideslip) - wind_east) * share

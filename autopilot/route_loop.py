@@ -68,7 +68,7 @@ def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float
     turn = STANDARD_GRAVITY / point.airspeed
     errors = np.stack([unit[0], unit[1] - rate_row, unit[2] - turn * unit[3], unit[3] - reference_row])
     from_command = np.array([0.0, -rate_command, 0.0, -reference_command])
-    gains = InnerLoops(designed).lookup(point.airspeed**-2.0, point.flaps).lateral
+    gains = InnerLoops(designed).lookup(point.equivalent_airspeed**-2.0, point.flaps).lateral
     K, sum_gains = np.array([gains[0:4], gains[5:9]]), np.array([gains[4], gains[9]])
     control, control_command = unit[sums] - K @ errors, -K @ from_command
 

@@ -50,7 +50,7 @@ Data
 - `AircraftState` - one instant of motion, or a record of arrays (aircraft.state)
     - ``time`` s; ``north``, ``east``, ``height`` m; ``velocity_north``, ``velocity_east``, ``velocity_up`` m/s
     - ``bank``, ``pitch``, ``heading`` rad; ``roll_rate``, ``pitch_rate``, ``yaw_rate`` rad/s, body axes
-    - ``airspeed`` m/s, true; ``angle_of_attack``, ``sideslip`` rad, + wind from the right
+    - ``airspeed`` m/s, true; ``equivalent_airspeed`` m/s; ``angle_of_attack``, ``sideslip`` rad, + wind from the right
     - ``specific_force_forward``, ``specific_force_right``, ``specific_force_down`` m/s2, body axes, all but gravity
     - ``aileron``, ``elevator``, ``rudder`` -1..1, + rolls right, pitches up, yaws right; ``throttle`` 0..1
     - ``flaps`` rad; ``gear`` 0 up, 1 down; ``main_wheels`` 0..1, the share of them on the ground

@@ -120,7 +120,7 @@ def run(
     found = evaluate(prepared, flown[0], own=trackers)
     if found.navigated is not None:
         found.navigated["on_truth"] = _on_truth(prepared)
-    others = [flight_metrics(one, scenario.runway, prepared.law.bank_limit) for one in flown[1:]]
+    others = [flight_metrics(one, scenario.runway, prepared.law.bank_limit, prepared.stall_speed) for one in flown[1:]]
     metrics = {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -131,7 +131,10 @@ def run(
         "flights_summary": summarise([found.flight, *others]),
         "trackers": found.trackers,
         "checks": found.checks,
-        "warnings": [*prepared.warnings, *warnings(flown[0], scenario.sensors, found.records, found.trackers)],
+        "warnings": [
+            *prepared.warnings,
+            *warnings(flown[0], found.flight, scenario.sensors, found.records, found.trackers),
+        ],
     }
     return Result(prepared, flown, found.records, found.tracks, metrics, timing | found.timing)
 
@@ -165,7 +168,7 @@ def evaluate(prepared: Prepared, flight: Flight, number: int = 0, own: dict[str,
     name = scenario.autopilot.navigation
     followed = tracks[name].track if name in tracks else None
     navigated = navigation_quality(prepared, flight, followed, trackers.get(name, {}))
-    figures = flight_metrics(flight, scenario.runway, prepared.law.bank_limit)
+    figures = flight_metrics(flight, scenario.runway, prepared.law.bank_limit, prepared.stall_speed)
     every = {**figures, "navigated": navigated, "trackers": trackers}
     checks = evaluate_checks(scenario.checks, flight, scenario.runway, every)
     return Evaluation(records, tracks, figures, trackers, navigated, checks, timing)
@@ -175,7 +178,7 @@ def _on_truth(prepared: Prepared) -> dict[str, Any]:
     """Figures of flight 0 as it goes when the autopilot sees the truth."""
     autopilot = dataclasses.replace(prepared.scenario.autopilot, navigation="truth")
     twin = dataclasses.replace(prepared, scenario=dataclasses.replace(prepared.scenario, autopilot=autopilot))
-    return flight_metrics(fly(twin), prepared.scenario.runway, prepared.law.bank_limit)
+    return flight_metrics(fly(twin), prepared.scenario.runway, prepared.law.bank_limit, prepared.stall_speed)
 
 
 def run_to_folder(

@@ -61,20 +61,27 @@ def _head(prepared: Prepared) -> str:
 
 
 def _route(prepared: Prepared) -> str:
-    rows = [("leg", "course deg", "length m", "speed m/s", "height m", "turn at m to go")]
+    air = prepared.scenario.air
+    rows = [("leg", "course deg", "length m", "true m/s", "equivalent m/s", "height m", "turn at m to go")]
     for number, leg in enumerate(prepared.route.legs):
         turn = "-"
         if number + 1 < len(prepared.route.legs):
             turn = f"{prepared.route.turn(number, leg.speed, prepared.law.bank_limit).entry:.0f}"
         course = math.degrees(leg.course) % 360
-        rows.append((str(number), f"{course:.1f}", f"{leg.length:.0f}", f"{leg.speed:.1f}", f"{leg.height:.0f}", turn))
+        speeds = f"{leg.speed:.1f}", f"{leg.speed * air.equivalent_share(leg.height):.1f}"
+        rows.append((str(number), f"{course:.1f}", f"{leg.length:.0f}", *speeds, f"{leg.height:.0f}", turn))
     landing = prepared.autopilot.landing
     end = ""
     if landing is not None:
         end = (
-            f"\nglide path {math.degrees(landing.glide_path):.2f} deg at {landing.approach_speed:.1f} m/s, "
-            f"flaps {math.degrees(landing.flaps):.0f} deg"
+            f"\nglide path {math.degrees(landing.glide_path):.2f} deg at {landing.approach_speed:.1f} m/s true, "
+            f"{landing.approach_speed * air.equivalent_share(prepared.route.legs[-1].height):.1f} equivalent where it "
+            f"begins, flaps {math.degrees(landing.flaps):.0f} deg"
         )
+    if not air.is_standard:
+        level = prepared.route.legs[-1].height
+        shown = air.altimeter(level) - air.altimeter(0.0)
+        end += f"\nheights are true: {level:.0f} m above the threshold, where an altimeter shows {shown:.0f} m"
     return "\n".join(table(rows, 0)) + end
 
 

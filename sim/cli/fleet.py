@@ -27,7 +27,7 @@ TURN_ROOM = 2.5  # radii of the turns between downwind and final
 RESERVE = 1500.0  # m of final between the last turn and the glide path
 HEAD = (
     "# Written by `make fleet`: stock aircraft of JSBSim through the recipe of the An-26, nothing set by hand.\n"
-    "# Speeds follow from the slowest level flight of each model. Measured under the versions below.\n"
+    "# Speeds are indicated; they follow from the slowest level flight of each model. Measured under these versions.\n"
 )
 
 
@@ -35,8 +35,8 @@ HEAD = (
 
 
 def speeds(settings: Sequence[Any]) -> tuple[float, float]:
-    """(manoeuvring, approach) speed, m/s, from the flap settings of an aircraft."""
-    from sim.flight.preparation import MANOEUVRE_MARGIN, REFERENCE_ADDITION, REFERENCE_MARGIN
+    """(manoeuvring, approach) indicated airspeed, m/s, from the flap settings of an aircraft."""
+    from sim.flight.airspeeds import MANOEUVRE_MARGIN, REFERENCE_ADDITION, REFERENCE_MARGIN
 
     ordered = sorted(settings, key=lambda setting: setting.flaps)
     approach = REFERENCE_MARGIN * ordered[-1].stall_speed + REFERENCE_ADDITION
@@ -46,7 +46,7 @@ def speeds(settings: Sequence[Any]) -> tuple[float, float]:
 def route_capture(model: str, speed: float) -> dict[str, Any]:
     """Tables of a scenario that captures one line from ``OFFSET``, as ``route_capture`` does with the An-26."""
     duration = 120.0 + 3.0 * OFFSET / speed
-    leg = {"from_m": [0, 0], "to_m": [speed * (duration + 60.0), 0], "speed_mps": speed, "height_m": 600}
+    leg = {"from_m": [0, 0], "to_m": [speed * (duration + 60.0), 0], "indicated_speed_mps": speed, "height_m": 600}
     return {
         "name": "fleet_route_capture",
         "until_s": duration,
@@ -59,13 +59,15 @@ def route_capture(model: str, speed: float) -> dict[str, Any]:
 
 def straight_in(model: str, speed: float, approach: float) -> dict[str, Any]:
     """Tables of a scenario that begins on a long final and lands; distances grow with the radius of the turns."""
+    from aircraft.air import Air
     from aircraft.state import STANDARD_GRAVITY
     from autopilot.landing import Landing
     from sim.scenario.tables import AutopilotTable, PatternTable, Runway
 
     pattern, slope = PatternTable(), math.tan(Runway().glide_path)
-    radius = speed * speed / (STANDARD_GRAVITY * math.tan(AutopilotTable().bank_limit))
-    bend = speed * speed * slope / (Landing.capture_load_factor * STANDARD_GRAVITY)
+    true = speed / Air().equivalent_share(pattern.height)
+    radius = true * true / (STANDARD_GRAVITY * math.tan(AutopilotTable().bank_limit))
+    bend = true * true * slope / (Landing.capture_load_factor * STANDARD_GRAVITY)
     straight = pattern.height / slope + 0.5 * bend + RESERVE
     return {
         "name": "fleet_straight_in",
@@ -76,9 +78,9 @@ def straight_in(model: str, speed: float, approach: float) -> dict[str, Any]:
             "kind": "pattern",
             "downwind_abeam_m": max(pattern.downwind_abeam, TURN_ROOM * radius),
             "base_distance_m": straight + radius,
-            "downwind_speed_mps": speed,
-            "turn_speed_mps": speed,
-            "approach_speed_mps": approach,
+            "indicated_downwind_speed_mps": speed,
+            "indicated_turn_speed_mps": speed,
+            "indicated_approach_speed_mps": approach,
         },
     }
 

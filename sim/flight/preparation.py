@@ -11,6 +11,7 @@ from typing import Any
 from aircraft.airframe import Wind
 from aircraft.data import AircraftData
 from aircraft.errors import ModelError
+from aircraft.point_mass import PointMass
 from aircraft.runway import Runway as Place
 from aircraft.slowest import complete
 from autopilot.approach import PHASES, Approach
@@ -24,6 +25,15 @@ from autopilot.route import Leg, Route, pattern_route
 from autopilot.stabilised_gate import StabilisedGate
 from sim.errors import did_you_mean
 from sim.flight import departures
+from sim.flight.airspeeds import (
+    MANOEUVRE_MARGIN,
+    REFERENCE_ADDITION,
+    REFERENCE_MARGIN,
+    landing_stall_speed,
+    least_approach_speed,
+    level_speeds,
+    remarks,
+)
 from sim.flight.outcomes import Limits
 from sim.flight.vehicles import (
     AirframeChoice,
@@ -40,16 +50,12 @@ from sim.scenario import catalogue
 from sim.scenario.messages import at
 from sim.scenario.model import Scenario
 from sim.scenario.plugins import BUNDLED, is_outside, said
-from sim.scenario.tables import PatternTable
+from sim.scenario.tables import STARTS, PatternTable
 from sim.workers.isolation import run_isolated
 
 MODEL_TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
-MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
-REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
-REFERENCE_ADDITION = 2.5  # m/s over the reference speed, at least
 TOUCHDOWN_SINK, TOUCHDOWN_SPEED = 0.4, 58.0  # m/s: every aircraft touches down at this path angle
 SINK_MARGIN = 1.2  # of the gate over the sink of a fast approach, which is briefed for more than 1000 ft/min [FSF ALAR]
-STARTS = {"downwind": 0, "base": 1, "final": 2}  # phases on which a flight can begin, and their legs
 
 
 @dataclass(frozen=True)
@@ -63,6 +69,7 @@ class Prepared:
     limits: Limits
     designed: Designed
     warnings: tuple[str, ...]
+    stall_speed: float | None = None  # m/s, equivalent, as it lands; None where none is known
 
     @property
     def controller(self) -> Approach | Departing:
@@ -185,7 +192,9 @@ def _prepared(scenario: Scenario) -> Prepared:
         vehicle.read(vehicle.begin(initial, air(scenario.wind, scenario.runway)))  # it trims, or says why not
     with place("[[departures]]"):
         limits = Limits(scenario.until, scenario.runway)
-        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, _warnings(scenario, aircraft))
+        told = _warnings(scenario, autopilot, aircraft)
+        stall = landing_stall_speed(scenario, aircraft, autopilot)
+        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, told, stall)
         _ = prepared.controller  # it can be left like that, or says why not
     return prepared
 
@@ -217,11 +226,11 @@ def _data(scenario: Scenario) -> AircraftData:
 
 
 def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, Landing | None]:
-    """Flaps before the glide path, and the landing where the route ends in one."""
+    """Flaps before the glide path, and the landing where the route ends in one; margins are in equivalent airspeed."""
     mass = scenario.aircraft.mass or aircraft.reference_mass
     settings = sorted(aircraft.flap_settings, key=lambda setting: setting.flaps)
-    table = scenario.route
-    slowest = table.turn_speed if isinstance(table, PatternTable) else min(leg.speed for leg in table.legs)
+    table, air = scenario.route, scenario.air
+    slowest = min(equivalent for _, _, equivalent in level_speeds(scenario))
     enough = [s.flaps for s in settings if MANOEUVRE_MARGIN * aircraft.stall_speed(s.flaps, mass) <= slowest]
     flaps = enough[0] if enough else settings[-1].flaps if settings else 0.0
     if not isinstance(table, PatternTable):
@@ -229,8 +238,8 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
     full = settings[-1].flaps if settings else 0.0
     speed = table.approach_speed
     if settings:
-        reference = REFERENCE_MARGIN * aircraft.stall_speed(full, mass)
-        speed = max(speed, reference + REFERENCE_ADDITION)
+        reference = least_approach_speed(aircraft, full, mass)
+        speed = max(speed, reference / air.equivalent_share(table.height))  # it is least where final begins
     glide_path = scenario.runway.glide_path
     return flaps, Landing(
         approach_speed=speed,
@@ -252,10 +261,16 @@ def _route(scenario: Scenario, landing: Landing | None) -> Route:
     if isinstance(table, PatternTable):
         assert landing is not None
         if not table.downwind_speed >= table.turn_speed >= landing.approach_speed:
+            speeds = table.downwind_speed, table.turn_speed, landing.approach_speed
+            true, shown = (
+                "downwind {:.1f}, turn {:.1f}, approach {:.1f} m/s".format(*(share * speed for speed in speeds))
+                for share in (1.0, scenario.air.equivalent_share(table.height))
+            )
             raise ValueError(
-                f"speeds must fall along the pattern: downwind {table.downwind_speed:.1f}, "
-                f"turn {table.turn_speed:.1f}, approach {landing.approach_speed:.1f} m/s "
-                f"(at least {REFERENCE_MARGIN} of the stall speed and {REFERENCE_ADDITION} m/s)"
+                f"speeds must fall along the pattern, but they are {true} true, which an indicator shows there as "
+                f"{shown}; the approach has at least {REFERENCE_MARGIN} of the stall speed and {REFERENCE_ADDITION} "
+                "m/s as indicated: raise the others, or give all three as charts do, with indicated_turn_speed_mps "
+                "for turn_speed_mps"
             )
         return pattern_route(
             table.side,
@@ -358,15 +373,18 @@ def _airframe(scenario: Scenario) -> AirframeChoice:
         choice.centre_of_gravity_mac,
         choice.factors,
         Place(runway.latitude, runway.longitude, runway.elevation, runway.heading),
+        scenario.air,
     )
 
 
 def _vehicle(scenario: Scenario, gains: Designed) -> Any:
-    return PointMassVehicle() if scenario.aircraft.model == "point_mass" else JsbsimVehicle(gains, _airframe(scenario))
+    if scenario.aircraft.model == "point_mass":
+        return PointMassVehicle(PointMass(air=scenario.air))
+    return JsbsimVehicle(gains, _airframe(scenario))
 
 
-def _warnings(scenario: Scenario, aircraft: AircraftData) -> tuple[str, ...]:
-    """Wind beyond the limits of the aircraft, and events that the model answers only in part: flown all the same."""
+def _warnings(scenario: Scenario, autopilot: Approach, aircraft: AircraftData) -> tuple[str, ...]:
+    """What is beyond the limits of the aircraft or of the model, and what was changed: flown all the same."""
     north, east = scenario.wind.steady
     along, across = scenario.runway.from_local(north, east)
     told = []
@@ -379,4 +397,4 @@ def _warnings(scenario: Scenario, aircraft: AircraftData) -> tuple[str, ...]:
     if abs(across) > aircraft.crosswind_limit:
         limit = aircraft.crosswind_limit
         told.append(f"crosswind {abs(across):.1f} m/s is above the limit of {limit:.1f} m/s ({aircraft.title})")
-    return tuple(told)
+    return (*told, *remarks(scenario, autopilot, aircraft))

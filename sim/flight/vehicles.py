@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
+from aircraft.air import Air
 from aircraft.airframe import RATE, Airframe, Wind, load
 from aircraft.errors import TrimError
 from aircraft.linearise import linearise
@@ -46,6 +47,7 @@ class AirframeChoice(NamedTuple):
     centre_of_gravity_mac: float | None = None  # share of the mean aerodynamic chord; None = as the model says
     factors: Mapping[str, float] | None = None  # of groups of coefficients, by the names that the aircraft declares
     runway: Runway | None = None
+    air: Air | None = None  # None = the standard atmosphere
 
     def load(self) -> Airframe:
         """A fresh aircraft; raises ``ModelError`` for anything that cannot be loaded."""
@@ -166,6 +168,7 @@ def operating_point(airframe: Airframe, airspeed: float, height: float, flaps: f
         flaps,
         gear,
         airspeed,
+        airspeed * airframe.air.equivalent_share(height),
         steady.initial.angle_of_attack,
         steady.controls.elevator,
         steady.controls.throttle,

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from aircraft.air import FREEZING, STANDARD_DENSITY, Air
 from aircraft.airframe import Wind
 from aircraft.turbulence import Turbulence
 from aircraft.wind import SteadyWind, Together
@@ -29,13 +30,25 @@ def air(table: WindTable, runway: Runway, noise: np.random.Generator | None = No
     return Together(tuple(parts))
 
 
+def still(scenario: Scenario) -> list[str]:
+    """Elevation, temperature and pressure at the runway in words; nothing where they are those of sea level."""
+    air = scenario.air
+    if air == Air():
+        return []
+    share = air.density(0.0) / STANDARD_DENSITY
+    return [
+        f"runway at {air.elevation:.0f} m, {air.temperature_at(0.0) - FREEZING:.1f} C, QNH {air.qnh / 100.0:.0f} hPa: "
+        f"{share:.3f} of the density of sea level"
+    ]
+
+
 def words(scenario: Scenario) -> list[str]:
-    """Wind, shear, turbulence and events, one phrase for each that there is."""
+    """The still air, wind, shear, turbulence and events, one phrase for each that there is."""
     table = scenario.wind
-    said = ["no steady wind"]
+    said = [*still(scenario), "no steady wind"]
     if table.speed > 0.0:
         measured = "" if table.profile is None else f" {table.tower:.3g} m up, {table.shear} shear"
-        said = [f"wind from {math.degrees(table.from_) % 360:03.0f} deg at {table.speed:.1f} m/s{measured}"]
+        said[-1] = f"wind from {math.degrees(table.from_) % 360:03.0f} deg at {table.speed:.1f} m/s{measured}"
     if table.intensity > 0.0:
         level = "" if table.turbulence == "none" else f"{table.turbulence} "
         said.append(f"{level}turbulence, {table.intensity:.1f} m/s at 20 ft")

@@ -18,6 +18,7 @@ SETTLED = 0.02  # of the deviation at the start of the leg
 SETTLED_LEAST = 5.0  # m; nothing smaller is asked of a capture that starts close
 GLIDE_CAPTURE = 40.0  # s after glide entry that belong to the capture, not to the glide
 DECISION_HEIGHT = 60.0  # m
+FINAL_WINDOW = 5.0  # s, over which the speed of an approach is judged, as by its gate
 LASTING = 60.0  # s; twice at the end of a flight
 WATCHED = 180.0  # s, at the end; for periods of up to two minutes
 LEAST = math.radians(1.0)  # of bank; less is no oscillation
@@ -38,6 +39,7 @@ class Context(NamedTuple):
     runway: Runway
     bank_limit: float  # rad, of the law that flew
     navigation: Navigation | None = None  # of the estimate that it was flown on; None = flown on the truth
+    stall_speed: float | None = None  # m/s, equivalent, as it lands; None where none is known
 
 
 def time_saturated(flight: Flight, context: Context) -> float:
@@ -139,7 +141,8 @@ class Touchdown(NamedTuple):
     drift: float  # m/s to the right
     crab: float  # rad, heading less the runway's
     bank: float  # rad
-    airspeed: float  # m/s
+    airspeed: float  # m/s, true
+    equivalent_airspeed: float  # m/s
     before: int  # index of that instant
 
 
@@ -161,6 +164,7 @@ def touchdown(flight: Flight, runway: Runway) -> Touchdown | None:
         crab=wrap(s.heading[before] - runway.heading),
         bank=s.bank[before],
         airspeed=s.airspeed[before],
+        equivalent_airspeed=s.equivalent_airspeed[before],
         before=int(before),
     )
 
@@ -173,6 +177,21 @@ def at_touchdown(value: Callable[[Touchdown], float]) -> Callable[[Flight, Conte
         return None if down is None else float(value(down))
 
     return of
+
+
+def touchdown_over_stall(flight: Flight, context: Context) -> float | None:
+    """Equivalent airspeed at the touchdown over the stall speed."""
+    down = touchdown(flight, context.runway)
+    return None if down is None or context.stall_speed is None else down.equivalent_airspeed / context.stall_speed
+
+
+def final_over_stall(flight: Flight, context: Context) -> float | None:
+    """Least mean over 5 s of the equivalent airspeed on the glide path over the stall speed, as it lands."""
+    speeds, width = flight.state.equivalent_airspeed[flight.during("glide")], round(FINAL_WINDOW / RECORD_STEP)
+    if context.stall_speed is None or len(speeds) < width:
+        return None
+    total = np.concatenate(([0.0], np.cumsum(speeds)))
+    return float((total[width:] - total[:-width]).min() / width / context.stall_speed)
 
 
 def touchdown_track_crab(flight: Flight, context: Context) -> float | None:

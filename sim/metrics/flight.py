@@ -16,13 +16,16 @@ NAVIGATED = "navigated"  # the table of figures of the estimate that it was flow
 PERCENTILES = (5, 50, 95)
 
 
-def flight_metrics(flight: Flight, runway: Runway, bank_limit: float) -> dict[str, Any]:
+def flight_metrics(
+    flight: Flight, runway: Runway, bank_limit: float, stall_speed: float | None = None
+) -> dict[str, Any]:
     """How one flight ended and every figure of the metric table; a nested table without any value is null.
 
-    ``bank_limit`` (rad) is that of the law that flew. Figures of the estimate that it was flown on are not among them:
-    ``sim.metrics.navigation`` adds them, since only a flight that trackers watched has them.
+    ``bank_limit`` (rad) is that of the law that flew, ``stall_speed`` (m/s, equivalent) that of the landing. Figures of
+    the estimate that it was flown on are not among them: ``sim.metrics.navigation`` adds them, since only a flight that
+    trackers watched has them.
     """
-    context = Context(runway, bank_limit)
+    context = Context(runway, bank_limit, stall_speed=stall_speed)
     rows = [row for row in table.METRICS if not row.name.startswith(f"{NAVIGATED}.")]
     found: dict[str, Any] = {"outcome": flight.outcome, "reason": flight.reason}
     for row in rows:

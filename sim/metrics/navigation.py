@@ -42,7 +42,7 @@ def navigation_quality(
     if name == "truth":
         return None
     quality, why = _quality(prepared, flight, name, track, judged)
-    context = Context(prepared.scenario.runway, prepared.law.bank_limit, quality)
+    context = Context(prepared.scenario.runway, prepared.law.bank_limit, quality, prepared.stall_speed)
     ended_well = flight.outcome in GOOD
     return {"tracker": name, "why": None if ended_well else why, **navigated_figures(flight, context)}
 

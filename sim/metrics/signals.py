@@ -72,10 +72,17 @@ SIGNALS: tuple[Signal, ...] = (
     Signal("cross_track_m", "m", "cross-track", lambda flight, runway: flight.deviation.cross_track, True),
     Signal("height_error_m", "m", "height error", height_error, True),
     Signal("glide_dots", "dots", "off the glide path", glide_dots, True),
+    Signal("airspeed_mps", "mps", "true airspeed", lambda flight, runway: flight.state.airspeed),
+    Signal(
+        "equivalent_airspeed_mps",
+        "mps",
+        "equivalent airspeed",
+        lambda flight, runway: flight.state.equivalent_airspeed,
+    ),
     Signal(
         "airspeed_error_mps",
         "mps",
-        "airspeed error",
+        "true airspeed error",
         lambda flight, runway: flight.state.airspeed - flight.command.airspeed,
     ),
     Signal("sink_mps", "mps", "sink", lambda flight, runway: -flight.state.velocity_up),

@@ -30,7 +30,7 @@ def flight_arrays(flight: Flight) -> dict[str, np.ndarray]:
 SUFFIX_OF = {
     "s": ("time",),
     "m": ("north", "east", "height"),
-    "mps": ("velocity_north", "velocity_east", "velocity_up", "airspeed"),
+    "mps": ("velocity_north", "velocity_east", "velocity_up", "airspeed", "equivalent_airspeed"),
     "rad": ("bank", "pitch", "heading", "angle_of_attack", "sideslip", "flaps", "flight_path_angle"),
     "radps": ("roll_rate", "pitch_rate", "yaw_rate"),
     "mps2": ("specific_force_forward", "specific_force_right", "specific_force_down"),

@@ -95,6 +95,11 @@ def stem(key: str) -> str:
     return key[: -len(max(endings, key=len)) - 1] if endings else key
 
 
+def quantity(key: str) -> str:
+    """What a key sets, whatever its unit, and whether as a true or as an indicated airspeed."""
+    return stem(key).removeprefix("indicated_")
+
+
 def _shown(value: Any) -> str:
     if not isinstance(value, str | int | float | bool):
         return ""

@@ -6,6 +6,7 @@ import traceback
 from dataclasses import dataclass, field
 from typing import Any
 
+from aircraft.air import Air
 from sim.scenario.catalogue import completed
 from sim.scenario.plugins import Part
 from sim.scenario.tables import (
@@ -44,6 +45,7 @@ class Scenario:
     draws: int
     until: float | None
     runway: Runway
+    air: Air  # over the runway, apart from its motion
     aircraft: AircraftChoice
     start: Start
     route: Route

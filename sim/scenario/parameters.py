@@ -1,7 +1,9 @@
 """One parameter mechanism: a frozen dataclass field ``name: Annotated[float, "rad"]`` is a file key ``name_deg``.
 
 From each class comes one pydantic model whose keys are every legal spelling, so that error locations and the JSON
-Schema speak the user's own words. Fields marked ``"given"`` are filled by the simulation and absent from files.
+Schema speak the user's own words. Fields marked ``"given"`` are filled by the simulation and absent from files. Fields
+marked ``"indicated"`` are true airspeeds; each has a twin, ``indicated_approach_speed_kt`` of ``approach_speed_kt``, in
+every unit, which is the airspeed as an indicator shows it and charts give it.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from sim.scenario.messages import stem
 P = ParamSpec("P")
 R = TypeVar("R")
 GIVEN = "given"
+INDICATED = "indicated"  # after the unit of a true airspeed; before an underscore, the beginning of its twin's keys
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 
 
@@ -40,11 +43,18 @@ class Parameter:
     kind: Any  # type without unit
     required: bool
     default: Any
+    is_airspeed: bool = False  # and has a twin that is indicated
 
     @functools.cached_property
     def keys(self) -> dict[str, float]:
         """File keys with their factors to SI, the preferred one first."""
-        return {self.name: 1.0} if self.unit is None else spellings(self.name, self.unit)
+        own = {self.name: 1.0} if self.unit is None else spellings(self.name, self.unit)
+        return own | self.indicated_keys
+
+    @functools.cached_property
+    def indicated_keys(self) -> dict[str, float]:
+        """Those of the keys that give an indicated airspeed."""
+        return spellings(f"{INDICATED}_{self.name}", self.unit) if self.is_airspeed and self.unit else {}
 
 
 @_cached
@@ -53,16 +63,17 @@ def parameters(cls: type) -> tuple[Parameter, ...]:
     hints = typing.get_type_hints(cls, include_extras=True)
     found = []
     for field in dataclasses.fields(cls):
-        hint, unit = hints[field.name], None
+        hint, unit, is_airspeed = hints[field.name], None, False
         if typing.get_origin(hint) is Annotated:
             hint, *notes = typing.get_args(hint)
             if GIVEN in notes:
                 continue
             unit = next((note for note in notes if isinstance(note, str)), None)
+            is_airspeed = INDICATED in notes
         factory = field.default_factory
         required = field.default is dataclasses.MISSING and factory is dataclasses.MISSING
         default = field.default if factory is dataclasses.MISSING else factory()
-        found.append(Parameter(field.name.rstrip("_"), field.name, unit, hint, required, default))
+        found.append(Parameter(field.name.rstrip("_"), field.name, unit, hint, required, default, is_airspeed))
     return tuple(found)
 
 
@@ -114,6 +125,8 @@ def model_of(
         else:
             for key, factor in parameter.keys.items():
                 described = _default_in_words(parameter, factor)
+                if key in parameter.indicated_keys:
+                    described = f"indicated airspeed, instead of '{parameter.name}', which is true"
                 fields[key] = (hint | None, Field(default=None, description=described))
     if kind is not None:
         fields["kind"] = (typing.Literal[kind], kind if defaulted_kind else ...)
@@ -122,6 +135,10 @@ def model_of(
         if isinstance(table, dict):
             for parameter in wanted:
                 used = [key for key in parameter.keys if key in table]
+                if len(used) > 1 and len({key in parameter.indicated_keys for key in used}) > 1:
+                    raise ValueError(
+                        f"'{used[0]}' is the true airspeed and '{used[-1]}' the indicated one of one speed; keep one"
+                    )
                 if len(used) > 1:
                     raise ValueError(f"'{used[0]}' and '{used[1]}' are two spellings of one value; keep one")
                 if not used and parameter.required and not partial and len(parameter.keys) > 1:
@@ -145,33 +162,46 @@ def _default_in_words(parameter: Parameter, factor: float) -> str | None:
     return f"default {default!r}"
 
 
-def construct(cls: type, table: dict[str, Any], **given: Any) -> Any:
+TrueShare = Callable[[float | None], float]
+"""True over equivalent airspeed at a height, m; None where the table says none."""
+
+
+def construct(cls: type, table: dict[str, Any], true_share: TrueShare | None = None, **given: Any) -> Any:
     """An instance from a validated table, converted to SI; ``given`` fills what files never say, where it has a field.
+
+    An indicated airspeed becomes the true one at the ``height`` of the same table, by ``true_share``.
 
     Raises ``ValueError`` in the class's own words when a value is out of its range.
     """
     fields = {field.name for field in dataclasses.fields(cls)}
     asked = {name: value for name, value in given.items() if name in fields}
-    return cls(**{**asked, **given_values(cls, table)})
+    return cls(**{**asked, **given_values(cls, table, true_share)})
 
 
-def given_values(cls: type, table: dict[str, Any]) -> dict[str, Any]:
+def given_values(cls: type, table: dict[str, Any], true_share: TrueShare | None = None) -> dict[str, Any]:
     """What a validated table sets of the fields of a class, by field, in SI."""
-    return {
-        parameter.attribute: _to_si(parameter.kind, table[key], factor)
+    found = {
+        parameter.attribute: _to_si(parameter.kind, table[key], factor, true_share)
         for parameter in parameters(cls)
         for key, factor in parameter.keys.items()
         if table.get(key) is not None
     }
+    indicated = [one for one in parameters(cls) if any(table.get(key) is not None for key in one.indicated_keys)]
+    if indicated:
+        assert true_share is not None, f"{cls.__name__} has indicated airspeeds, but no air"
+        defaults = {one.attribute: one.default for one in parameters(cls) if not one.required}
+        share = true_share({**defaults, **found}.get("height"))
+        found |= {one.attribute: share * found[one.attribute] for one in indicated}
+    return found
 
 
-def _to_si(hint: Any, value: Any, factor: float) -> Any:
+def _to_si(hint: Any, value: Any, factor: float, true_share: TrueShare | None) -> Any:
     nested = _nested(hint)
     if nested is not None and isinstance(value, dict):
-        return construct(nested, value)
+        return construct(nested, value, true_share)
     if isinstance(value, list | tuple):
         element = typing.get_args(hint)[0] if typing.get_args(hint) else Any
-        return tuple(_to_si(element, item, factor) for item in value)
+        return tuple(_to_si(element, item, factor, true_share) for item in value)
     if isinstance(value, bool | str | dict) or value is None:
         return value
     if isinstance(value, int) and factor == 1.0 and (hint is int or hint == (int | None)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 import tomllib
@@ -11,19 +12,25 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from aircraft.air import Air
 from aircraft.wind_event import broken_promises
 from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import catalogue as bundled
-from sim.scenario.messages import faults_of, report_faults, stem
+from sim.scenario.messages import faults_of, quantity, report_faults
 from sim.scenario.model import Scenario, TrackerChoice
-from sim.scenario.parameters import construct, dump, given_values, parameters
+from sim.scenario.parameters import TrueShare, construct, dump, given_values, parameters
 from sim.scenario.plugins import Catalogue, catalogue_with, is_outside, said
 from sim.scenario.schema import ROUTES, file_model, kind_of, parts_of
 from sim.scenario.tables import (
+    HIGHEST_FLIGHT,
+    STARTS,
     AircraftChoice,
+    AirTable,
     AutopilotTable,
     Check,
     Departure,
+    LegsTable,
+    PatternTable,
     Runway,
     Start,
     StudyTable,
@@ -81,7 +88,7 @@ def _replaced(tables: dict[str, Any], address: str, value: Any, whole: str) -> d
         if not isinstance(inner, dict):
             raise ScenarioError(f"--set {whole}: '{head}' is a value, not a table")
         return {**tables, head: _replaced(inner, rest, value, whole)}
-    kept = {key: old for key, old in tables.items() if key == head or stem(key) != stem(head)}
+    kept = {key: old for key, old in tables.items() if key == head or quantity(key) != quantity(head)}
     return {**kept, head: value}
 
 
@@ -141,11 +148,14 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         raise ScenarioError(report_faults(origin, [*faults, *told_of_checks]))
     faults = list(told_of_checks)
 
-    def table(name: str, cls: type) -> Any:
-        return _construct(faults, f"[{name}]", cls, tables.get(name, {}))
+    def table(name: str, cls: type, true_share: TrueShare | None = None) -> Any:
+        return _construct(faults, f"[{name}]", cls, tables.get(name, {}), true_share)
 
     runway = table("runway", Runway) or Runway()
+    air_table = table("air", AirTable) or AirTable()
+    air = Air(runway.elevation, air_table.kelvin, air_table.qnh)
     route_kind = kind_of(tables.get("route", {}), "pattern")
+    route = table("route", ROUTES[route_kind or "pattern"], functools.partial(_true_share, air))
     mode = kind_of(tables.get("autopilot", {}), "lateral_navigation") or ""
     autopilot_table = {k: v for k, v in tables.get("autopilot", {}).items() if k != "law"}
     modes = _modes(faults, mode, tables.get("departures", []), catalogue)
@@ -175,8 +185,11 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         "until": tables.get("until_s"),
         "runway": runway,
         "aircraft": table("aircraft", AircraftChoice),
-        "start": table("start", Start),
-        "route": table("route", ROUTES[route_kind or "pattern"]),
+        "start": table(
+            "start", Start, functools.partial(_true_share, air, otherwise=_start_height(tables, route, runway))
+        ),
+        "air": air_table,
+        "route": route,
         "autopilot": _construct(faults, "[autopilot]", AutopilotTable, autopilot_table),
         "mode": mode,
         "modes": modes,
@@ -208,7 +221,8 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         *(("wind_events", entry["kind"]) for entry in wind_table.get("events", {}).values()),
     ]
     parts = sorted({part for family, kind in named if (part := catalogue.named(family, kind)) is not None})
-    return Scenario(**scenario, tables=_resolved(tables, scenario), parts=tuple(parts))
+    resolved = _resolved(tables, scenario)
+    return Scenario(**{**scenario, "air": air}, tables=resolved, parts=tuple(parts))
 
 
 def _modes(faults: list[str], mode: str, departures: list[Any], catalogue: Catalogue) -> dict[str, type[Any]]:
@@ -233,9 +247,34 @@ def _draws(faults: list[str], tables: dict[str, Any]) -> int:
     return 1
 
 
-def _construct(faults: list[str], place: str, cls: type, table: dict[str, Any], **given: Any) -> Any:
+def _true_share(air: Air, height: float | None, otherwise: float = 0.0) -> float:
+    """True over indicated airspeed at a height, m; ``otherwise`` where none is said. What no table allows is left."""
+    height = otherwise if height is None else height
+    return float(1.0 / air.equivalent_share(height)) if 0.0 <= height <= HIGHEST_FLIGHT else 1.0
+
+
+def _start_height(tables: dict[str, Any], route: PatternTable | LegsTable | None, runway: Runway) -> float:
+    """Where a flight begins whose [start] says no height, m: that of its leg, or on the glide path under it."""
+    table = {key: value for key, value in tables.get("start", {}).items() if quantity(key) != "speed"}
+    start = given_values(Start, table)
+    number = STARTS.get(start.get("phase", ""), start.get("leg", 0))
+    if isinstance(route, PatternTable):
+        distance = start.get("distance", math.inf) if number == STARTS["final"] else math.inf
+        return min(route.height, float(distance) * math.tan(runway.glide_path))
+    legs = () if route is None else route.legs
+    return legs[number].height if 0 <= number < len(legs) else 0.0
+
+
+def _construct(
+    faults: list[str],
+    place: str,
+    cls: type,
+    table: dict[str, Any],
+    true_share: TrueShare | None = None,
+    **given: Any,
+) -> Any:
     try:
-        return construct(cls, table, **given)
+        return construct(cls, table, true_share, **given)
     except ValueError as error:
         faults.append(f"{place} {error}")
     except Exception as error:
@@ -274,7 +313,7 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
     """The file with every default written out, the user's own spellings kept."""
     out: dict[str, Any] = {key: built[key] for key in ("name", "seed", "flights", "draws")}
     out["until_s"] = built["until"]
-    for name in ("runway", "aircraft", "start", "route", "autopilot", "wind"):
+    for name in ("runway", "air", "aircraft", "start", "route", "autopilot", "wind"):
         given = tables.get(name, {})
         kind = {"route": kind_of(given, "pattern"), "autopilot": built["mode"]}.get(name)
         law = {"law": given["law"]} if "law" in given else {}

@@ -16,6 +16,7 @@ from sim.scenario.parameters import model_of
 from sim.scenario.plugins import BUNDLED, Catalogue
 from sim.scenario.tables import (
     AircraftChoice,
+    AirTable,
     AutopilotTable,
     Check,
     Departure,
@@ -93,6 +94,7 @@ def file_model(parts: dict[str, Any]) -> type[BaseModel]:
         draws=(Annotated[int, Field(strict=True, ge=1, le=100_000)], 130),
         until_s=(Annotated[float, Field(gt=0, le=1800, allow_inf_nan=False, strict=True)] | None, None),
         runway=(model_of(Runway), None),
+        air=(model_of(AirTable), None),
         aircraft=(model_of(AircraftChoice), None),
         start=(model_of(Start), None),
         designed=(dict[str, Any] | None, None),

@@ -9,12 +9,14 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from aircraft.air import FREEZING, STANDARD_PRESSURE, Air
 from aircraft.turbulence_intensity import INTENSITIES
 from aircraft.wind_shear import HIGHEST, LOWEST, LogarithmicProfile, PowerProfile
 from sim.scenario.axes import Axis, Sampled, axis
 
 FASTEST = 1000.0  # m/s, of anything that flies an approach
 HIGHEST_FLIGHT = 30_000.0  # m
+STARTS = {"downwind": 0, "base": 1, "final": 2}  # phases of a pattern on which a flight can begin, and their legs
 FARTHEST = 1e6  # m from the threshold; the local metric is long wrong there
 
 
@@ -64,6 +66,22 @@ class Runway:
 
 
 @dataclass(frozen=True)
+class AirTable:
+    """The still air as it is measured at the runway; absent = the standard atmosphere."""
+
+    temperature: Annotated[float | None, "degC"] = None  # at the threshold
+    qnh: Annotated[float, "Pa"] = STANDARD_PRESSURE
+
+    def __post_init__(self) -> None:
+        Air(0.0, self.kelvin, self.qnh)  # its own limits
+
+    @property
+    def kelvin(self) -> float | None:
+        """The temperature, K."""
+        return None if self.temperature is None else self.temperature + FREEZING
+
+
+@dataclass(frozen=True)
 class AircraftChoice:
     """Which aircraft flies: a bundled or stock model by name, a folder, or ``point_mass``."""
 
@@ -89,7 +107,7 @@ class Start:
     leg: int | None = None
     distance: Annotated[float | None, "m"] = None  # to go to the end of the leg; absent = the whole leg
     cross_track: Annotated[float, "m"] = 0.0
-    speed: Annotated[float | None, "m/s"] = None  # airspeed; absent = the leg's
+    speed: Annotated[float | None, "m/s", "indicated"] = None  # true airspeed; absent = the leg's
     height: Annotated[float | None, "m"] = None  # absent = the leg's
 
     def __post_init__(self) -> None:
@@ -114,9 +132,9 @@ class PatternTable:
     height: Annotated[float, "m"] = 400.0
     downwind_abeam: Annotated[float, "m"] = 7000.0
     base_distance: Annotated[float, "m"] = 13800.0  # before the aiming point
-    downwind_speed: Annotated[float, "m/s"] = 72.0
-    turn_speed: Annotated[float, "m/s"] = 69.0
-    approach_speed: Annotated[float, "m/s"] = 58.0
+    downwind_speed: Annotated[float, "m/s", "indicated"] = 72.0  # this and the next two are true airspeeds
+    turn_speed: Annotated[float, "m/s", "indicated"] = 69.0
+    approach_speed: Annotated[float, "m/s", "indicated"] = 58.0
     deceleration: Annotated[float, "m/s2"] = 0.5
     glide_deceleration: Annotated[float | None, "m/s2"] = None  # on the glide path; absent = the same
 
@@ -139,7 +157,7 @@ class LegTable:
 
     from_: Annotated[tuple[float, float], "m"]
     to: Annotated[tuple[float, float], "m"]
-    speed: Annotated[float, "m/s"]
+    speed: Annotated[float, "m/s", "indicated"]  # true airspeed
     height: Annotated[float, "m"]
 
     def __post_init__(self) -> None:

@@ -66,7 +66,9 @@ def find_limit(
     def exceeds(value: float) -> bool:
         prepared = prepare(read(source, {**(overrides or {}), address: value}, plugins=catalogue))
         flight = fly(prepared)
-        figure = figure_of(row, flight, Context(prepared.scenario.runway, prepared.law.bank_limit))
+        figure = figure_of(
+            row, flight, Context(prepared.scenario.runway, prepared.law.bank_limit, stall_speed=prepared.stall_speed)
+        )
         return flight.outcome in FAILED or (figure is not None and figure > limit)
 
     if exceeds(low):

@@ -27,7 +27,7 @@ def read(x, wind):
     rates = (airspeed * math.cos(heading) + wind[0], airspeed * math.sin(heading) + wind[1], climb)
     wheels = 1.0 if height <= 0.0 else 0.0
     return AircraftState(
-        time, north, east, height, *rates, bank, 0.0, heading, 0.0, 0.0, 0.0, airspeed, *(0.0,) * 11, wheels
+        time, north, east, height, *rates, bank, 0.0, heading, 0.0, 0.0, 0.0, airspeed, airspeed, *(0.0,) * 11, wheels
     )
 
 

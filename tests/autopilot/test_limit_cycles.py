@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from aircraft.actuators import actuator_bandwidth
+from aircraft.air import Air
 from aircraft.airframe import load
 from aircraft.linearise import linearise
 from aircraft.model_files import read
@@ -33,7 +34,8 @@ def at(speed):
         linear.part(LATERAL, ("aileron", "rudder")),
     )
     alpha = steady.initial.angle_of_attack
-    return OperatingPoint(FLAPS, 0.0, speed, alpha, controls.elevator, controls.throttle, longitudinal, lateral)
+    speeds = speed, speed * Air().equivalent_share(600.0)
+    return OperatingPoint(FLAPS, 0.0, *speeds, alpha, controls.elevator, controls.throttle, longitudinal, lateral)
 
 
 @pytest.fixture(scope="module")
@@ -118,7 +120,12 @@ def test_matrix_says_what_the_inner_loops_do(designed, loop):
     sideslip, roll_rate, yaw_rate, bank = x[:4]
     reference, reference_rate, aileron_sum, rudder_sum = x[-4:]
     flown = AircraftState(*np.zeros(len(AircraftState._fields)))._replace(
-        height=600.0, velocity_north=SPEED, airspeed=SPEED, flaps=FLAPS, sideslip=sideslip
+        height=600.0,
+        velocity_north=SPEED,
+        airspeed=SPEED,
+        equivalent_airspeed=SPEED * Air().equivalent_share(600.0),
+        flaps=FLAPS,
+        sideslip=sideslip,
     )
     flown = flown._replace(roll_rate=roll_rate, yaw_rate=yaw_rate, bank=bank)
     loops = InnerLoops(designed)

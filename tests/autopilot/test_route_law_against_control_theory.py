@@ -29,6 +29,7 @@ def point():
         flaps,
         0.0,
         95.0,
+        92.7,
         steady.initial.angle_of_attack,
         steady.controls.elevator,
         steady.controls.throttle,

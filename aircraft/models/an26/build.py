@@ -19,6 +19,7 @@ from aircraft.state import STANDARD_GRAVITY
 
 POUND_FORCE = 4.4482216152605
 FOOT = 0.3048
+SEA_LEVEL_DENSITY = 0.0023769117527742576  # slug/ft3, of JSBSim's standard atmosphere
 
 
 class Fact(NamedTuple):
@@ -404,7 +405,13 @@ def function_component(name: str, body: str) -> str:
 
 
 def thrust() -> str:
-    """The <external_reactions> section: each propeller's thrust over speed and power, both falling with density."""
+    """The <external_reactions> section: each propeller's thrust over speed and power, both falling with density.
+
+    At one speed thrust over density depends on power over density only, so the curves of sea level serve at every
+    height once the power of a lever falls with the density too, which is assumed here. The density is that over the
+    standard sea level: JSBSim's own ``sigma`` divides by that of the day's sea level, which in hot air gives the
+    engines the power of a cool day.
+    """
     speeds = (0, 10, 20, 30, 40, 50, 55, 60, 65, 70, 75, 80, 90, 100, 120, 150)
     powers = (150, 200, 240, 300, 400, 500, 600, 700, 800, 1000, 1200, 1400, 1700, 2103)
     rows: list[tuple[float, ...]] = [powers]
@@ -417,10 +424,11 @@ def thrust() -> str:
         ]
         rows.append((speed / FOOT, *(value / POUND_FORCE for value in row)))
     text = ""
+    density = f"<quotient>{_term('atmosphere/rho-slugs_ft3')}<value>{SEA_LEVEL_DENSITY!r}</value></quotient>"
     for engine, side in ((0, -1.0), (1, 1.0)):
         curve = table(rows, "velocities/vt-fps", f"fcs/power-kw[{engine}]")
         text += (
-            f'<force name="propeller-{engine}" frame="BODY"><function>{product("atmosphere/sigma", curve)}</function>'
+            f'<force name="propeller-{engine}" frame="BODY"><function>{product(density, curve)}</function>'
             f'<location unit="M"><x>{fact("engine_x")}</x><y>{side * fact("engine_y")}</y><z>{fact("engine_z")}</z>'
             "</location><direction><x>1</x><y>0</y><z>0</z></direction></force>\n"
         )

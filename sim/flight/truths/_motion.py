@@ -59,6 +59,7 @@ def state_of_motion(
         pitch_rate * cos_bank + heading_rate * cos_pitch * sin_bank,
         heading_rate * cos_pitch * cos_bank - pitch_rate * sin_bank,
         np.hypot(level, up),
+        np.hypot(level, up),  # a formula flies in the air of sea level
         nothing,
         nothing,
         along * cos_pitch + (a_up + STANDARD_GRAVITY) * sin_pitch,

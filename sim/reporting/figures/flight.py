@@ -60,7 +60,8 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
         add(
             "Speed and configuration",
             speed_history(flight),
-            "True airspeed against its schedule; flaps and gear as they moved.",
+            "True airspeed against its schedule, and the equivalent airspeed, which the wing feels and an indicator "
+            "shows; flaps and gear as they moved.",
         )
         airframe = airframe_history(flight)
         if airframe is not None:

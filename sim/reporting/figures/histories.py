@@ -74,16 +74,17 @@ def _limiters(flight: Flight, law: Mode, bank_limit: float) -> dict[str, np.ndar
 
 
 def speed_history(flight: Flight) -> Any:
-    """Figure of airspeed against its schedule, ground speed, flaps and gear."""
+    """Figure of true airspeed against its schedule, equivalent airspeed, ground speed, flaps and gear."""
     state = flight.state
     figure, (strip, axes, settings, bars) = style.panels(STRIP, 1.7, 0.7, 0.2)
     phase_strip(strip, flight)
     over_time(axes, flight, state.ground_speed, color=style.GREY, linewidth=0.9, label="ground speed")
-    over_time(axes, flight, flight.command.airspeed, color=style.BLACK, linewidth=0.9, label="airspeed asked for")
+    over_time(axes, flight, flight.command.airspeed, color=style.BLACK, linewidth=0.9, label="true airspeed asked for")
     over_time(axes, flight, state.airspeed, color=style.BLUE, linewidth=1.3, label="true airspeed")
+    over_time(axes, flight, state.equivalent_airspeed, color=style.SKY, linewidth=0.9, label="equivalent airspeed")
     pad(axes, 10.0)
     axes.set_ylabel("speed, m/s")
-    axes.legend(loc="lower left", ncols=3)
+    axes.legend(loc="lower left", ncols=2)
     over_time(settings, flight, np.degrees(state.flaps), color=style.BLUE)
     settings.set_ylabel("flaps, deg")
     settings.set_ylim(-4, 46)

@@ -201,7 +201,7 @@
     clock.textContent = `${now.toFixed(1)} s`;
     part("phase").textContent = flown.name;
     part("phase").style.borderColor = flown.colour;
-    part("state").textContent = `height ${metres(at("height", now))} m, airspeed ${metres(at("speed", now))} m/s`;
+    part("state").textContent = `height ${metres(at("height", now))} m, true airspeed ${metres(at("speed", now))} m/s`;
     const slider = part("time");
     slider.value = now;
     slider.setAttribute("aria-valuetext", `${now.toFixed(1)} seconds, ${flown.name}`);

@@ -61,7 +61,7 @@ def _statistic(name: str, lasting: float) -> str:
 
 
 def event_rows(flight: Flight) -> list[tuple[str, ...]]:
-    """(time, event, height, airspeed, bank, detail) of everything that happened once."""
+    """(time, event, height, true airspeed, bank, detail) of everything that happened once."""
     rows: list[tuple[str, ...]] = []
     for event in (*flight.events[:-1][:MOST_EVENTS], *flight.events[-1:]):
         at = min(int(np.searchsorted(flight.time, event.time)), len(flight.time) - 1)
@@ -86,7 +86,8 @@ def last_state(flight: Flight) -> list[tuple[str, str, str]]:
         ("time", s.time, "s"), ("north", s.north, "m"), ("east", s.east, "m"), ("height", s.height, "m"),
         ("velocity north", s.velocity_north, "m/s"), ("east", s.velocity_east, "m/s"), ("up", s.velocity_up, "m/s"),
         ("bank", np.degrees(s.bank), "deg"), ("pitch", np.degrees(s.pitch), "deg"),
-        ("heading", np.degrees(s.heading) % 360, "deg"), ("airspeed", s.airspeed, "m/s"),
+        ("heading", np.degrees(s.heading) % 360, "deg"), ("true airspeed", s.airspeed, "m/s"),
+        ("equivalent airspeed", s.equivalent_airspeed, "m/s"),
         ("angle of attack", np.degrees(s.angle_of_attack), "deg"), ("sideslip", np.degrees(s.sideslip), "deg"),
     )  # fmt: skip
     return [(name, number(float(values[-1]), 2), unit) for name, values, unit in shown]

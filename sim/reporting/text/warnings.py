@@ -1,4 +1,4 @@
-"""What a reader of a run should know about its sensors and trackers, one sentence each: who saw nothing, and why."""
+"""What a reader of a run should know, one sentence each: a final flown too slowly, who saw nothing, and why."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.flight.airspeeds import REFERENCE_MARGIN
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
 
@@ -13,19 +14,33 @@ CLOSE = 50.0  # m from an antenna: there the noise of a range is a good part of 
 
 
 def warnings(
-    flight: Flight, sensors: dict[str, Any], records: dict[str, SensorRecord], trackers: dict[str, dict[str, Any]]
+    flight: Flight,
+    figures: dict[str, Any],
+    sensors: dict[str, Any],
+    records: dict[str, SensorRecord],
+    trackers: dict[str, dict[str, Any]],
 ) -> list[str]:
-    """Sentences about sensors that measured nothing or are on the flight path; ``trackers`` as in metrics.json."""
-    found = [_sensor(flight, name, sensors[name], record) for name, record in records.items()]
+    """Sentences about a final flown too slowly, sensors that measured nothing or are on the flight path.
+
+    ``figures`` and ``trackers`` are as in metrics.json.
+    """
+    slowest = figures.get("final_over_stall")
+    found: list[str | None] = [
+        f"the glide path was flown at {slowest:.2f} of the stall speed (mean of the equivalent airspeed over 5 s), "
+        f"below {REFERENCE_MARGIN}"
+        if slowest is not None and slowest < REFERENCE_MARGIN
+        else None
+    ]
+    found += [_sensor(flight, name, sensors[name], record) for name, record in records.items()]
     found += [
         f"tracker '{name}' got no measurement of the aircraft: it has no figures"
-        for name, figures in trackers.items()
-        if "look_ahead" not in figures
+        for name, its in trackers.items()
+        if "look_ahead" not in its
     ]
     found += [
         f"tracker '{name}' gives estimates that are no numbers"
-        for name, figures in trackers.items()
-        if any(figure["rmse"] is None or not np.isfinite(figure["rmse"]) for figure in figures["overall"].values())
+        for name, its in trackers.items()
+        if any(figure["rmse"] is None or not np.isfinite(figure["rmse"]) for figure in its["overall"].values())
     ]
     return [sentence for sentence in found if sentence]
 

@@ -1,0 +1,93 @@
+"""Equivalent airspeeds of a scenario against stall and placards: which of its speeds is which, and what is beyond."""
+
+from __future__ import annotations
+
+import math
+
+from aircraft.data import AircraftData
+from autopilot.approach import Approach
+from sim.scenario.model import Scenario
+from sim.scenario.tables import PatternTable
+
+MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
+REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
+REFERENCE_ADDITION = 2.5  # m/s over the reference speed, at least
+NEGLECTED = 0.005  # of an airspeed: what an indicator may show more than the equivalent one without a word
+
+
+def level_speeds(scenario: Scenario) -> list[tuple[str, float, float]]:
+    """(where, true, equivalent) airspeed of everything flown before a glide path, m/s, in the order of the route."""
+    table, air = scenario.route, scenario.air
+    if isinstance(table, PatternTable):
+        share = air.equivalent_share(table.height)
+        speeds = (("downwind", table.downwind_speed), ("the turn to final", table.turn_speed))
+        return [(where, speed, share * speed) for where, speed in speeds]
+    return [
+        (f"leg {number}", leg.speed, leg.speed * air.equivalent_share(leg.height))
+        for number, leg in enumerate(table.legs)
+    ]
+
+
+def least_approach_speed(aircraft: AircraftData, flaps: float, mass: float) -> float:
+    """Equivalent airspeed, m/s, below which the recipe lets no approach be flown."""
+    return REFERENCE_MARGIN * aircraft.stall_speed(flaps, mass) + REFERENCE_ADDITION
+
+
+def landing_stall_speed(scenario: Scenario, aircraft: AircraftData, approach: Approach) -> float | None:
+    """Stall speed, m/s equivalent, at the flaps and the mass of the landing; None without a landing or a known one."""
+    if approach.landing is None or not aircraft.flap_settings:
+        return None
+    return aircraft.stall_speed(approach.landing.flaps, scenario.aircraft.mass or aircraft.reference_mass)
+
+
+def remarks(scenario: Scenario, approach: Approach, aircraft: AircraftData) -> list[str]:
+    """One sentence for each speed that was raised, each margin that is broken and each placard that is exceeded."""
+    speeds = level_speeds(scenario)
+    told = _beyond_the_model(scenario, speeds)
+    if not aircraft.flap_settings:
+        return told
+    mass, landing = scenario.aircraft.mass or aircraft.reference_mass, approach.landing
+    stall = aircraft.stall_speed(approach.flaps, mass)
+    told += [
+        f"{where} at {equivalent:.1f} m/s equivalent ({true:.1f} true) is {equivalent / stall:.2f} of the stall speed, "
+        f"below {MANOEUVRE_MARGIN}"
+        for where, true, equivalent in speeds
+        if equivalent < (1.0 - 1e-9) * MANOEUVRE_MARGIN * stall
+    ]
+    told += _above_placard(aircraft, approach.flaps, max(equivalent for _, _, equivalent in speeds))
+    if landing is None or not isinstance(scenario.route, PatternTable):
+        return told
+    asked, flown = scenario.route.approach_speed, landing.approach_speed
+    if flown > asked:
+        share = scenario.air.equivalent_share(scenario.route.height)
+        told.append(
+            f"the approach speed was raised from {asked:.1f} to {flown:.1f} m/s true, from {share * asked:.1f} to "
+            f"{share * flown:.1f} m/s equivalent: {REFERENCE_MARGIN} of the stall speed and {REFERENCE_ADDITION} m/s"
+        )
+    entry = speeds[-1][2]
+    told += _above_placard(aircraft, landing.flaps, entry) if landing.flaps != approach.flaps else []
+    if entry > aircraft.gear_placard_speed:
+        told.append(f"{entry:.1f} m/s equivalent is above {aircraft.gear_placard_speed:.1f} m/s, the limit of the gear")
+    return told
+
+
+def _above_placard(aircraft: AircraftData, flaps: float, speed: float) -> list[str]:
+    setting = aircraft.setting(flaps)
+    if not speed > setting.placard_speed:
+        return []
+    limit = f"the limit of flaps at {math.degrees(setting.flaps):.0f} deg"
+    return [f"{speed:.1f} m/s equivalent is above {setting.placard_speed:.1f} m/s, {limit} ({aircraft.title})"]
+
+
+def _beyond_the_model(scenario: Scenario, speeds: list[tuple[str, float, float]]) -> list[str]:
+    """Where indicated airspeeds are not equivalent ones any more."""
+    table = scenario.route
+    height = table.height if isinstance(table, PatternTable) else max(leg.height for leg in table.legs)
+    fastest = max(true for _, true, _ in speeds)
+    more = float(scenario.air.compressibility(fastest, height))
+    if more < NEGLECTED:
+        return []
+    return [
+        f"at {fastest:.0f} m/s an indicator shows {100.0 * more:.1f} % more than the equivalent airspeed, for which "
+        "indicated speeds are taken here: the compressibility of the air is left out"
+    ]
