@@ -5,8 +5,8 @@
   ``data``, ``landing_gear``, ``runway``: what is known besides; ``models``: aircraft of our own, made by ``handbook``
 - ``executive``, ``properties``, ``power_plant``, ``airframe``: JSBSim for one flight; ``point_mass``: the papers' own
 - ``trim``, ``minimum_speed``, ``slowest``, ``linearise``, ``modes``, ``actuators``: what is computed from an airframe
-- ``wind``, ``wind_shear``, ``turbulence``, ``turbulence_intensity``: the air; ``wind_events``: one file for each kind,
-  ``wind_event`` their contract
+- ``air``: density, temperature, pressure; ``wind``, ``wind_shear``, ``turbulence``, ``turbulence_intensity``: motion of
+  the air; ``wind_events``: one file for each kind, ``wind_event`` their contract
 
 Conventions of motion, used by every package
 ---------------------------------------------
@@ -15,7 +15,7 @@ Conventions of motion, used by every package
 **Earth.** A flight happens over a sphere that does not rotate, with standard gravity (9.80665 m/s2) at sea level. The
 runway threshold lies on its equator, so north = R dlatitude and east = R dlongitude are metric to 3e-6 within 15 km,
 "down" is exactly the direction of gravity, and there is no Coriolis acceleration: an aircraft trimmed straight and
-level stays so, in every direction. The height is measured along the local vertical, as an altimeter does. What is
+level stays so, in every direction. The height is measured along the local vertical. What is
 neglected against the rotating ellipsoid is 2 omega V sin(latitude) = 0.008 m/s2 at 72 m/s, which any lateral autopilot
 takes up with 0.05 deg of bank. The runway's own latitude and longitude serve maps and exports only.
 
@@ -25,6 +25,9 @@ ground; wind (north, east, up) is the way the air moves. The terrain is level at
 **Attitude.** Heading clockwise from north, pitch up, bank right, in the order heading - pitch - bank. Body axes are
 forward, right, down; so roll_rate > 0 rolls right, pitch_rate > 0 pitches up, yaw_rate > 0 yaws right. Sideslip > 0 is
 wind from the right.
+
+**Airspeed** is the true one unless it is called equivalent or indicated; see ``air``. Heights are true heights,
+whatever an altimeter shows in warm or cold air.
 
 **Load factor.** Specific force (all but gravity) over standard gravity, in wind axes: forward along the velocity
 through the air, right, up. (0, 0, 1) in steady level flight. The aerodynamic bank is the angle about that velocity.

@@ -34,13 +34,15 @@ Data
 - `Scenario` - a file as it was read, whole and checked, in SI (sim.scenario.model)
     - ``name``, ``seed``; ``flights``, each with its own air; ``draws`` of noise on flight 0; ``until`` s or None
     - ``runway``, ``aircraft``, ``start``, ``route``, ``autopilot``, ``wind`` - their tables (sim.scenario.tables)
+    - ``air`` - density, temperature and pressure over the runway (aircraft.air)
     - ``mode`` - the kind of law that flies, ``modes`` - the classes of all laws that are named; ``law`` - what the file
       sets of it; ``designed`` - gains it brings along; ``parts`` - kinds from outside that are named
     - ``sensors``, ``trackers`` - by name; ``departures`` from the law; ``checks``; ``study``
     - ``tables`` - the resolved file itself, in its own spelling
 - `Prepared` - all that one flight needs, built once (sim.flight.preparation)
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state
-    - ``limits`` that end a flight; ``designed`` gains; ``warnings``, sentences
+    - ``limits`` that end a flight; ``designed`` gains; ``warnings``, sentences; ``stall_speed`` m/s
+      equivalent of the landing, or None
 - `Flight` - the record of one flight, k instants at 30 Hz (sim.flight.record)
     - ``time`` (k,) s; ``state`` and ``command`` - `AircraftState` and `Command` of arrays (k,)
     - ``route`` that was to be flown; ``leg`` (k,) - index of the active one; ``deviation`` from it, of arrays (k,)

@@ -20,6 +20,7 @@ def made(time, phase, route=None, gate_height=None, **signals):
     k = len(time)
     columns = {name: np.zeros(k) for name in AircraftState._fields}
     columns |= {"time": np.asarray(time, float), "velocity_north": np.full(k, 70.0), "airspeed": np.full(k, 70.0)}
+    columns["equivalent_airspeed"] = columns["airspeed"]
     columns |= {name: np.asarray(value, float) for name, value in signals.items() if not name.startswith("command_")}
     commands = {name: np.zeros(k) for name in Command._fields} | {"airspeed": np.full(k, 70.0)}
     commands |= {name[8:]: np.asarray(value, float) for name, value in signals.items() if name.startswith("command_")}

@@ -20,7 +20,7 @@ LAW = lateral_law(2.3, 72.0, math.radians(15.0))
 LIMITS = (LAW.bank_limit, LAW.cross_track_limit, LAW.cross_track_rate_limit)
 DESIGNED = Designed((), 2.3, 6.9, 0.0, LAW.k1, LAW.k2, *LIMITS)
 SCENARIO = SimpleNamespace(autopilot=SimpleNamespace(navigation="mine"), runway=Runway())
-PREPARED = SimpleNamespace(scenario=SCENARIO, law=LAW, designed=DESIGNED)
+PREPARED = SimpleNamespace(scenario=SCENARIO, law=LAW, designed=DESIGNED, stall_speed=None)
 TIME = np.arange(0.0, 200.0, 1 / 30)
 SWING, PERIOD = 80.0, 36.0  # m, s
 

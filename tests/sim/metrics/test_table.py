@@ -28,7 +28,7 @@ from sim.scenario.tables import Check, Runway
 from sim.studies import study as studies
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "parts" / "metric_row.py"
-CONTEXT = Context(Runway(), math.radians(15.0), Navigation(12.0, 1.5, 4.0, 90.0))
+CONTEXT = Context(Runway(), math.radians(15.0), Navigation(12.0, 1.5, 4.0, 90.0), stall_speed=50.0)
 PATTERN = {
     "name": "final",
     "draws": 1,
@@ -97,7 +97,7 @@ def test_names_and_labels_are_unique():
 @pytest.mark.parametrize("row", table.METRICS, ids=lambda row: row.name)
 def test_a_row_stands_in_metrics_and_is_accepted_by_checks_and_labelled(row, make_flight):
     flight = approach(make_flight)
-    figures = flight_metrics(flight, CONTEXT.runway, CONTEXT.bank_limit)
+    figures = flight_metrics(flight, *CONTEXT[:2], CONTEXT.stall_speed)
     figures["navigated"] = navigated_figures(flight, CONTEXT)
     assert figure(figures, row.name) == pytest.approx(float(row.of(flight, CONTEXT)))
     check = {"metric": row.name}
