@@ -6,6 +6,7 @@ import math
 
 from aircraft.data import AircraftData
 from autopilot.approach import Approach
+from autopilot.design import SCHEDULED, Designed
 from sim.scenario.model import Scenario
 from sim.scenario.tables import PatternTable
 
@@ -40,7 +41,7 @@ def landing_stall_speed(scenario: Scenario, aircraft: AircraftData, approach: Ap
     return aircraft.stall_speed(approach.landing.flaps, scenario.aircraft.mass or aircraft.reference_mass)
 
 
-def remarks(scenario: Scenario, approach: Approach, aircraft: AircraftData) -> list[str]:
+def remarks(scenario: Scenario, approach: Approach, aircraft: AircraftData, gains: Designed) -> list[str]:
     """One sentence for each speed that was raised, each margin that is broken and each placard that is exceeded."""
     speeds = level_speeds(scenario)
     told = _beyond_the_model(scenario, speeds)
@@ -64,11 +65,25 @@ def remarks(scenario: Scenario, approach: Approach, aircraft: AircraftData) -> l
             f"the approach speed was raised from {asked:.1f} to {flown:.1f} m/s true, from {share * asked:.1f} to "
             f"{share * flown:.1f} m/s equivalent: {REFERENCE_MARGIN} of the stall speed and {REFERENCE_ADDITION} m/s"
         )
+    power = _level_power(gains, scenario.air.equivalent_share(scenario.route.height) * flown)
+    if power > 1.0:
+        told.append(
+            f"level flight with flaps at {math.degrees(landing.flaps):.0f} deg and gear out would take {power:.2f} of "
+            "full power at the approach speed: so it is flown on the glide path only"
+        )
     entry = speeds[-1][2]
     told += _above_placard(aircraft, landing.flaps, entry) if landing.flaps != approach.flaps else []
     if entry > aircraft.gear_placard_speed:
         told.append(f"{entry:.1f} m/s equivalent is above {aircraft.gear_placard_speed:.1f} m/s, the limit of the gear")
     return told
+
+
+def _level_power(gains: Designed, equivalent: float) -> float:
+    """Power lever of level flight as the aircraft lands; beyond 1 by the linear model of the descent."""
+    if not gains.schedules:
+        return 0.0
+    lever, last = SCHEDULED.index("throttle"), gains.schedules[-1]
+    return last.constant[lever] + last.slope[lever] / equivalent**2
 
 
 def _above_placard(aircraft: AircraftData, flaps: float, speed: float) -> list[str]:

@@ -192,7 +192,7 @@ def _prepared(scenario: Scenario) -> Prepared:
         vehicle.read(vehicle.begin(initial, air(scenario.wind, scenario.runway)))  # it trims, or says why not
     with place("[[departures]]"):
         limits = Limits(scenario.until, scenario.runway)
-        told = _warnings(scenario, autopilot, aircraft)
+        told = _warnings(scenario, autopilot, aircraft, gains)
         stall = landing_stall_speed(scenario, aircraft, autopilot)
         prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, told, stall)
         _ = prepared.controller  # it can be left like that, or says why not
@@ -307,7 +307,7 @@ def _designed(
         final = landing.approach_speed
         wanted = [
             Configuration(flaps, 0.0, 1.03 * final, 1.02 * fastest),
-            Configuration(landing.flaps, 1.0, 0.97 * final, 1.02 * slowest),
+            Configuration(landing.flaps, 1.0, 0.97 * final, 1.02 * slowest, -landing.glide_path),
         ]
     highest = max(leg.height for leg in route.legs)
     return designed(_airframe(scenario), wanted, speed=fastest, bank_limit=bank_limit, height=highest)
@@ -383,7 +383,7 @@ def _vehicle(scenario: Scenario, gains: Designed) -> Any:
     return JsbsimVehicle(gains, _airframe(scenario))
 
 
-def _warnings(scenario: Scenario, autopilot: Approach, aircraft: AircraftData) -> tuple[str, ...]:
+def _warnings(scenario: Scenario, autopilot: Approach, aircraft: AircraftData, gains: Designed) -> tuple[str, ...]:
     """What is beyond the limits of the aircraft or of the model, and what was changed: flown all the same."""
     north, east = scenario.wind.steady
     along, across = scenario.runway.from_local(north, east)
@@ -397,4 +397,4 @@ def _warnings(scenario: Scenario, autopilot: Approach, aircraft: AircraftData) -
     if abs(across) > aircraft.crosswind_limit:
         limit = aircraft.crosswind_limit
         told.append(f"crosswind {abs(across):.1f} m/s is above the limit of {limit:.1f} m/s ({aircraft.title})")
-    return (*told, *remarks(scenario, autopilot, aircraft))
+    return (*told, *remarks(scenario, autopilot, aircraft, gains))

@@ -14,7 +14,7 @@ from aircraft.errors import TrimError
 from aircraft.linearise import linearise
 from aircraft.point_mass import PointMass, PointMassState
 from aircraft.runway import Runway
-from aircraft.state import AircraftState, Command
+from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
 from aircraft.trim import trim
 from autopilot.design import Designed, OperatingPoint, design, lateral_law
 from autopilot.inner_loops import InnerLoops, LoopState
@@ -137,6 +137,7 @@ class Configuration(NamedTuple):
     gear: float
     slowest: float  # m/s
     fastest: float
+    path: float = 0.0  # rad, + up: where it is flown if it has no level flight
 
 
 def designed(
@@ -154,16 +155,21 @@ def designed(
     airframe = choice.load()
     points = []
     for configuration in configurations:
-        slowest, flaps, gear = configuration.slowest, configuration.flaps, configuration.gear
-        points.append(operating_point(airframe, slowest, height, flaps, gear))
-        points.append(_fastest(airframe, configuration, height))
+        points.append(_level_or_not(airframe, configuration, (configuration.slowest,), height))
+        points.append(_level_or_not(airframe, configuration, _fast(configuration), height))
     return design(points, speed, bank_limit)
 
 
-def operating_point(airframe: Airframe, airspeed: float, height: float, flaps: float, gear: float) -> OperatingPoint:
-    """The linear model of an aircraft in level flight at an airspeed (m/s), height (m) and flaps (rad)."""
-    steady = trim(airframe, airspeed, 0.0, height, flaps, gear)
+def operating_point(
+    airframe: Airframe, airspeed: float, height: float, flaps: float, gear: float, path: float = 0.0
+) -> OperatingPoint:
+    """The linear model of an aircraft at an airspeed (m/s), height (m), flaps and flight-path angle (rad).
+
+    The power lever is that of level flight: what the slope gives is added, be it beyond the stop.
+    """
+    steady = trim(airframe, airspeed, path, height, flaps, gear)
     linear = linearise(airframe, steady)
+    per_slope = STANDARD_GRAVITY / float(linear.B[0, 0]) if path else 0.0  # of the power lever, per rad
     return OperatingPoint(
         flaps,
         gear,
@@ -171,25 +177,36 @@ def operating_point(airframe: Airframe, airspeed: float, height: float, flaps: f
         airspeed * airframe.air.equivalent_share(height),
         steady.initial.angle_of_attack,
         steady.controls.elevator,
-        steady.controls.throttle,
+        steady.controls.throttle - per_slope * path,
         linear.part(LONGITUDINAL, ("throttle", "elevator")),
         linear.part(LATERAL, ("aileron", "rudder")),
     )
 
 
-def _fastest(airframe: Airframe, configuration: Configuration, height: float) -> OperatingPoint:
-    """The operating point at the fastest speed of a configuration, or as near to it as there is one.
+def _fast(configuration: Configuration) -> tuple[float, ...]:
+    """The fastest speed of a configuration, and slower ones where that has no trim.
 
     An aircraft that enters the glide path fast slows down there: with flaps and gear out it may have no steady level
     flight at that speed.
     """
-    fastest, width = configuration.fastest, configuration.fastest - configuration.slowest
-    for lost in LOST:
-        try:
-            airspeed = fastest - lost * width
-            return operating_point(airframe, airspeed, height, configuration.flaps, configuration.gear)
-        except TrimError as error:
-            reason = error
+    width = configuration.fastest - configuration.slowest
+    return tuple(configuration.fastest - lost * width for lost in LOST)
+
+
+def _level_or_not(
+    airframe: Airframe, configuration: Configuration, speeds: tuple[float, ...], height: float
+) -> OperatingPoint:
+    """The operating point at the first of the speeds that has level flight, else at the first that has it on the path.
+
+    Flaps and gear that thin air has not the power for in level flight are flown on the glide path only.
+    """
+    _, gear, _, _, path = configuration
+    for slope in dict.fromkeys((0.0, path)):
+        for airspeed in speeds:
+            try:
+                return operating_point(airframe, airspeed, height, configuration.flaps, gear, slope)
+            except TrimError as error:
+                reason = error
     raise reason
 
 
