@@ -161,7 +161,9 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
     modes = _modes(faults, mode, tables.get("departures", []), catalogue)
     law_table = tables.get("autopilot", {}).get("law", {})
     sensors = {
-        name: _construct(faults, f"[sensors.{name}]", catalogue.load("sensors", entry["kind"]), entry, runway=runway)
+        name: _construct(
+            faults, f"[sensors.{name}]", catalogue.load("sensors", entry["kind"]), entry, runway=runway, air=air
+        )
         for name, entry in tables.get("sensors", {}).items()
     }
     for name, sensor in sensors.items():

@@ -106,7 +106,7 @@ def test_hot_and_high(row, name):
 
 
 def test_la_paz(row):
-    """The file of true speeds that once flew at 1.145 of the stall speed, the same by the chart, and what lacks power."""
+    """True speeds that once flew at 1.145 of the stall speed, the same by the chart, and what lacks power."""
     true = {f"route.{key}_mps": value for key, value in zip(SPEEDS, (72, 69, 58), strict=True)}
     with pytest.raises(ScenarioError, match="indicated_turn_speed_mps") as told:
         prepare(read("an26_pattern", {"runway.elevation_m": 4061, **true}))
