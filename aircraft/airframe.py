@@ -23,7 +23,7 @@ from aircraft.landing_gear import main_wheels
 from aircraft.power_plant import started
 from aircraft.properties import EARTH_RADIUS, FOOT, getter, node, setter
 from aircraft.runway import Runway
-from aircraft.state import AircraftState, Controls
+from aircraft.state import AircraftState, Controls, WheelControls
 from aircraft.wind import SteadyWind
 
 HIGHEST_WHEEL = 30.0  # m; above, no wheel of any aircraft can touch level ground
@@ -93,6 +93,8 @@ class Airframe:
         self._throttles = _throttles(manager)
         self._set_flaps = setter(manager, properties.FLAPS_COMMAND)
         self._set_gear = setter(manager, properties.GEAR_COMMAND)
+        self._brakes = [setter(manager, wanted) for wanted in properties.BRAKES]
+        self._steer = setter(manager, properties.STEERING)
         self._wind = [setter(manager, wanted) for wanted in properties.WIND]
         self._settle: Callable[[], None] | None = None
         self._controls = Controls(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
@@ -193,6 +195,12 @@ class Airframe:
         for substep in range(substeps):
             blow(*velocity(time + substep / RATE, position, airspeed))
             run()
+
+    def set_wheels(self, wheels: WheelControls) -> None:
+        """Brakes and steering from now on."""
+        for brake in self._brakes:
+            brake(wheels.brakes)
+        self._steer(wheels.steering)
 
     def read(self) -> AircraftState:
         """The state now; raises ``FlightError`` with the last good one when a number is not finite."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_type_hints
 
 from aircraft.errors import ModelError
-from aircraft.landing_gear import height_of_wheels, wheel_track
+from aircraft.landing_gear import height_of_wheels, steering, wheel_track
 from aircraft.loading import total_mass
 from aircraft.model_files import Model, folder, is_file, read
 from aircraft.safe_xml import confined
@@ -49,6 +49,8 @@ class AircraftData:
     sink_limit: Annotated[float, "m/s"] = 3.05
     tailwind_limit: Annotated[float, "m/s"] = math.inf
     crosswind_limit: Annotated[float, "m/s"] = math.inf
+    wheelbase: Annotated[float, "m"] = 0.0  # from the main wheels forward to the steered wheel
+    steering_limit: Annotated[float, "rad"] = 0.0
     flap_settings: tuple[FlapSetting, ...] = ()
     factors: tuple[str, ...] = ()
     sources: tuple[tuple[str, str], ...] = ()  # (value, where it is from)
@@ -86,6 +88,7 @@ def describe(source: Model, model: str | Path) -> AircraftData:
         "wheel_track": wheel_track(source),
         "height_of_wheels": height_of_wheels(source),
     }
+    from_model |= dict(zip(("wheelbase", "steering_limit"), steering(source), strict=True))
     if not is_file(path):
         return AircraftData(**from_model)
     try:

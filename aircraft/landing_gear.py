@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from aircraft.loading import centre_of_gravity, place
 from aircraft.model_files import Model
 
+FULLY_TURNED = 80.0  # deg; a wheel that turns farther casters and steers nothing
 HIGHER = 0.5  # m above the lowest main wheel: not a main wheel
 
 
@@ -37,6 +39,24 @@ def wheel_track(model: Model) -> float:
     """Distance between the outermost main wheels, m; 0 without any."""
     sides = [wheel.y for wheel in main_wheels(model)]
     return max(sides) - min(sides) if sides else 0.0
+
+
+def steering(model: Model) -> tuple[float, float]:
+    """(wheelbase in m, travel in rad) of the wheel that is steered and lies farthest from the main wheels; 0 for none.
+
+    The wheelbase is negative where the steered wheel is behind them: a tail wheel turns the other way.
+    """
+    mains = main_wheels(model)
+    found = (0.0, 0.0)
+    for contact in model.root.findall("ground_reactions/contact") if mains else ():
+        location, travel = contact.find("location"), contact.find("max_steer")
+        if contact.get("type") != "BOGEY" or location is None or travel is None:
+            continue
+        ahead = sum(wheel.x for wheel in mains) / len(mains) - place(location)[0]
+        limit = math.radians(min(abs(float(travel.text or 0.0)), FULLY_TURNED))
+        if limit > 0.0 and abs(ahead) > abs(found[0]):
+            found = ahead, limit
+    return found
 
 
 def height_of_wheels(model: Model) -> float:

@@ -151,3 +151,10 @@ class Controls(NamedTuple):
     throttle: Real
     flaps: Real  # rad
     gear: Real  # 0 up, 1 down
+
+
+class WheelControls(NamedTuple):
+    """What is set on the ground besides."""
+
+    brakes: Real  # 0..1, of both sides
+    steering: Real  # -1..1 of the travel of the steered wheels, + to the right

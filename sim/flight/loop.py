@@ -14,6 +14,7 @@ from aircraft.errors import FlightError
 from aircraft.state import AircraftState, Command
 from sim.flight.outcomes import Limits, OutcomeMonitor
 from sim.flight.record import RECORD_STEP, Event, Flight
+from sim.flight.rollout import roll_out
 
 MONITORED = 10  # records between two looks of the monitor, which looks at every one close to the ground
 LOW = 15.0  # m
@@ -86,6 +87,9 @@ def fly(
             except FlightError as error:
                 verdict = verdict or ("diverged", str(error))
     outcome, reason = verdict
+    rollout = None
+    if outcome == "landed" and state is not states[-1]:
+        rollout = roll_out(vehicle, body, autopilot.route, pilot.leg, limits.runway, gate_height)
     events.append(Event(states[-1].time, outcome, reason))
     return Flight(
         autopilot.route,
@@ -98,6 +102,7 @@ def fly(
         outcome,
         reason,
         gate_height,
+        rollout,
     )
 
 
