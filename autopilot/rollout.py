@@ -1,9 +1,14 @@
 """After the landing: nose lowered, brakes to a stop, the centreline held by rudder and nose wheel.
 
-A wheel that does not slip rolls where it points, so on its main wheels the aircraft moves along its heading and turns by
-the steering angle d over the wheelbase L: y' = V sin psi, psi' = V tan d / L. Along the path, without V, that is the same
-at every speed, y'' = kappa, so the curvature kappa = -(2 psi + y / l) / l brings it back with both poles at -1 / l
-whatever the speed. The length l grows with the speed, so that nothing is asked faster than rudder and tyres can follow.
+With the track chi off the runway's direction the aircraft leaves the centreline by y' = V sin chi, and it turns by the
+curvature kappa of its path, chi' = V kappa. Per metre of path that is the same at every speed, y'' = kappa, so the
+curvature kappa = -(2 chi + y / l) / l brings it back with both poles at -1 / l.
+
+A tyre gives a side force of its load times the slip angle times a coefficient c. So the track follows the heading with
+the lag V / (c g), and the yaw rate follows the steered wheel with the lag k^2 V / (c g a b): a and b are the distances of
+the steered and the main wheels from the centre of gravity, k is the radius of gyration. Feedback of the error of the yaw
+rate e to the steering angle, d = L r / V + w k^2 L / (c g a b) e, gives the yaw rate r the bandwidth w at any speed, and
+the length l is four times what is run within both lags, 1 / w + V / (c g), which leaves a phase margin of 45 deg.
 """
 
 from __future__ import annotations
@@ -16,7 +21,12 @@ from aircraft.state import STANDARD_GRAVITY, AircraftState, Controls, WheelContr
 from autopilot.saturation import rate_limit, saturate
 
 FULL_BRAKES = 0.8 * STANDARD_GRAVITY  # m/s2 that brakes take off at most, rubber on dry concrete [from memory]
+CORNERING = 7.7  # 1/rad, c: the slope of JSBSim's tyre at no slip, 0.06 * 2.8 * 0.8 per deg
+GYRATION = 0.65  # k over the wheelbase, of the An-26
+NOSE_LOAD = 0.09  # b over the wheelbase: the share of the weight on the steered wheel, 8 to 15 % of most aircraft
+LAGS = 4.0  # what is run within the lags that make up l
 LEAST_LENGTH = 3.0  # wheelbases, of the length l
+SLOW = 1.0  # m/s; the steering angle is not reckoned with less
 
 
 class RolloutState(NamedTuple):
@@ -26,6 +36,7 @@ class RolloutState(NamedTuple):
     elevator: float
     speed: float  # m/s over the ground, one step before
     brakes: float  # 0..1
+    yaw_rate_sum: float  # rad/s, asked for beyond what the curvature needs
 
 
 @dataclass(frozen=True)
@@ -43,37 +54,49 @@ class Rollout:
     deceleration: Annotated[float, "m/s2"] = 0.2 * STANDARD_GRAVITY  # a medium autobrake [from memory]
     brake_time: Annotated[float, "s"] = 1.0  # in which the brakes reach their deceleration
     nose_time: Annotated[float, "s"] = 3.0  # in which the elevator goes to neutral, before the brakes
-    centring_time: Annotated[float, "s"] = 2.0  # the length l over the speed
+    yaw_bandwidth: Annotated[float, "rad/s"] = 2.0
+    yaw_time: Annotated[float, "s"] = 2.0  # in which a lasting error of the yaw rate is taken out
     intercept: Annotated[float, "rad"] = math.radians(10.0)  # towards the centreline, at most
     lateral_acceleration: Annotated[float, "m/s2"] = 0.1 * STANDARD_GRAVITY
     level_bank: Annotated[float, "rad"] = math.radians(20.0)  # that asks for full aileron
 
     def begin(self, state: AircraftState) -> RolloutState:
         """From the landing on, with the controls where they are."""
-        return RolloutState(state.time + self.nose_time, state.elevator, state.ground_speed, 0.0)
+        return RolloutState(state.time + self.nose_time, state.elevator, state.ground_speed, 0.0, 0.0)
 
     def step(
-        self, s: RolloutState, state: AircraftState, cross_track: float, heading_error: float, dt: float
+        self, s: RolloutState, state: AircraftState, cross_track: float, track_error: float, dt: float
     ) -> tuple[RolloutState, Controls, WheelControls]:
-        """Controls for the next ``dt`` seconds; ``cross_track`` (m) and ``heading_error`` (rad) are + to the right."""
+        """Controls for the next ``dt`` seconds; ``cross_track`` (m) and ``track_error`` (rad) are + to the right."""
         elevator = rate_limit(s.elevator, 0.0, 1.0 / self.nose_time, dt)
         speed = math.hypot(state.velocity_north, state.velocity_east)
         brakes = s.brakes
         if state.time >= s.braking_at:
             lacking = self.deceleration - (s.speed - speed) / dt
             brakes = min(max(brakes + lacking / FULL_BRAKES * dt / self.brake_time, 0.0), 1.0)
-        curvature = self.curvature(speed, cross_track, heading_error)
-        steering = saturate(math.atan(self.wheelbase * curvature), self.steering_limit)
-        rudder = self.rudder_per_sideslip * state.sideslip
-        rudder -= self.rudder_per_yaw_rate * (state.yaw_rate - speed * curvature)
+        wanted = speed * self.curvature(speed, cross_track, track_error)  # rad/s
+        error = wanted - state.yaw_rate
+        beyond = s.yaw_rate_sum
+        steering = self.wheelbase * ((wanted + beyond) / max(speed, SLOW) + self._per_yaw_rate * error)
+        rudder = self.rudder_per_sideslip * state.sideslip + self.rudder_per_yaw_rate * (error + beyond)
+        at_stops = abs(steering) >= self.steering_limit and abs(rudder) >= 1.0
+        if not at_stops or error * beyond < 0.0:
+            beyond += error * dt / self.yaw_time
+        steering = saturate(steering, self.steering_limit)
         controls = Controls(
             saturate(-state.bank / self.level_bank, 1.0), elevator, saturate(rudder, 1.0), 0.0, state.flaps, 1.0
         )
         wheels = WheelControls(brakes, steering / self.steering_limit if self.steering_limit else 0.0)
-        return RolloutState(s.braking_at, elevator, speed, brakes), controls, wheels
+        return RolloutState(s.braking_at, elevator, speed, brakes, beyond), controls, wheels
 
-    def curvature(self, speed: float, cross_track: float, heading_error: float) -> float:
+    @property
+    def _per_yaw_rate(self) -> float:
+        """Steering angle over the wheelbase, for an error of the yaw rate, s/m."""
+        return self.yaw_bandwidth * GYRATION**2 / (CORNERING * STANDARD_GRAVITY * NOSE_LOAD * (1.0 - NOSE_LOAD))
+
+    def curvature(self, speed: float, cross_track: float, track_error: float) -> float:
         """Curvature, 1/m, + to the right, of the path back to the centreline."""
-        length = max(speed * self.centring_time, LEAST_LENGTH * self.wheelbase, 1.0)
+        lags = 1.0 / self.yaw_bandwidth + speed / (CORNERING * STANDARD_GRAVITY)
+        length = max(LAGS * speed * lags, LEAST_LENGTH * abs(self.wheelbase), 1.0)
         towards = saturate(-0.5 * cross_track / length, self.intercept)
-        return saturate(2.0 * (towards - heading_error) / length, self.lateral_acceleration / max(speed * speed, 1.0))
+        return saturate(2.0 * (towards - track_error) / length, self.lateral_acceleration / max(speed * speed, 1.0))

@@ -44,8 +44,9 @@ def roll_out(vehicle: Any, body: Any, route: Route, leg: int, runway: Any, gate_
         elif len(states) * RECORD_STEP >= LONGEST_ROLLOUT:
             outcome, reason = "time_limit", f"still rolling {here}, at {state.ground_speed:.1f} m/s"
         else:
-            heading_error = math.remainder(state.heading - runway.heading, math.tau)
-            s, controls, wheels = law.step(s, state, across, heading_error, RECORD_STEP)
+            course = math.atan2(state.velocity_east, state.velocity_north)
+            track_error = math.remainder(course - runway.heading, math.tau)
+            s, controls, wheels = law.step(s, state, across, track_error, RECORD_STEP)
             try:
                 body = vehicle.roll(body, controls, wheels, RECORD_STEP)
             except FlightError as error:
