@@ -198,9 +198,10 @@ class Airframe:
 
     def set_wheels(self, wheels: WheelControls) -> None:
         """Brakes and steering from now on."""
-        for brake in self._brakes:
-            brake(wheels.brakes)
-        self._steer(wheels.steering)
+        left, right, steering = wheels
+        for brake, value in zip(self._brakes, (left, right, 0.5 * (left + right)), strict=True):
+            brake(value)
+        self._steer(steering)
 
     def read(self) -> AircraftState:
         """The state now; raises ``FlightError`` with the last good one when a number is not finite."""

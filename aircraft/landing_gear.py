@@ -44,7 +44,7 @@ def wheel_track(model: Model) -> float:
 def steering(model: Model) -> tuple[float, float]:
     """(wheelbase in m, travel in rad) of the wheel that is steered and lies farthest from the main wheels; 0 for none.
 
-    The wheelbase is negative where the steered wheel is behind them: a tail wheel turns the other way.
+    The wheelbase is negative where the steered wheel is behind them, the travel where it turns against its command.
     """
     mains = main_wheels(model)
     found = (0.0, 0.0)
@@ -53,9 +53,9 @@ def steering(model: Model) -> tuple[float, float]:
         if contact.get("type") != "BOGEY" or location is None or travel is None:
             continue
         ahead = sum(wheel.x for wheel in mains) / len(mains) - place(location)[0]
-        limit = math.radians(min(abs(float(travel.text or 0.0)), FULLY_TURNED))
-        if limit > 0.0 and abs(ahead) > abs(found[0]):
-            found = ahead, limit
+        limit = float(travel.text or 0.0)
+        if 0.0 < abs(limit) <= FULLY_TURNED and abs(ahead) > abs(found[0]):
+            found = ahead, math.radians(limit)
     return found
 
 

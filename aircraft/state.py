@@ -156,5 +156,6 @@ class Controls(NamedTuple):
 class WheelControls(NamedTuple):
     """What is set on the ground besides."""
 
-    brakes: Real  # 0..1, of both sides
+    left_brake: Real  # 0..1
+    right_brake: Real
     steering: Real  # -1..1 of the travel of the steered wheels, + to the right

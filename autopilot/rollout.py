@@ -8,7 +8,9 @@ A tyre gives a side force of its load times the slip angle times a coefficient c
 the lag V / (c g), and the yaw rate follows the steered wheel with the lag k^2 V / (c g a b): a and b are the distances of
 the steered and the main wheels from the centre of gravity, k is the radius of gyration. Feedback of the error of the yaw
 rate e to the steering angle, d = L r / V + w k^2 L / (c g a b) e, gives the yaw rate r the bandwidth w at any speed, and
-the length l is four times what is run within both lags, 1 / w + V / (c g), which leaves a phase margin of 45 deg.
+the length l is four times what is run within both lags, 1 / w + V / (c g), which leaves a phase margin of 45 deg. Rudder
+and brakes turn the aircraft too, the brakes by what the one side takes off more than the other: some models steer no
+wheel, and at high speed a nose wheel carries little.
 """
 
 from __future__ import annotations
@@ -47,8 +49,9 @@ class Rollout:
     the design of the inner loops.
     """
 
-    wheelbase: Annotated[float, "m"]  # 0 = no wheel is steered
-    steering_limit: Annotated[float, "rad"]
+    wheelbase: Annotated[float, "m"]  # from the main wheels forward to the steered one; 0 = none is steered
+    wheel_track: Annotated[float, "m"]
+    steering_limit: Annotated[float, "rad"]  # negative where the wheel turns against its command
     rudder_per_sideslip: float  # 1/rad, rudder that holds a sideslip
     rudder_per_yaw_rate: Annotated[float, "s"]  # rudder against a yaw rate, as the inner loops damp it
     deceleration: Annotated[float, "m/s2"] = 0.2 * STANDARD_GRAVITY  # a medium autobrake [from memory]
@@ -79,20 +82,35 @@ class Rollout:
         beyond = s.yaw_rate_sum
         steering = self.wheelbase * ((wanted + beyond) / max(speed, SLOW) + self._per_yaw_rate * error)
         rudder = self.rudder_per_sideslip * state.sideslip + self.rudder_per_yaw_rate * (error + beyond)
-        at_stops = abs(steering) >= self.steering_limit and abs(rudder) >= 1.0
-        if not at_stops or error * beyond < 0.0:
+        turning = self._brakes_per_yaw_rate * (error + beyond) if state.time >= s.braking_at else 0.0
+        limit = abs(self.steering_limit)
+        if abs(steering) < limit or abs(rudder) < 1.0 or error * beyond < 0.0:  # else all of it is at its stop
             beyond += error * dt / self.yaw_time
-        steering = saturate(steering, self.steering_limit)
+        steering = saturate(steering, limit)
         controls = Controls(
             saturate(-state.bank / self.level_bank, 1.0), elevator, saturate(rudder, 1.0), 0.0, state.flaps, 1.0
         )
-        wheels = WheelControls(brakes, steering / self.steering_limit if self.steering_limit else 0.0)
+        wheels = WheelControls(
+            min(max(brakes - turning, 0.0), 1.0),
+            min(max(brakes + turning, 0.0), 1.0),
+            steering / self.steering_limit if self.steering_limit else 0.0,
+        )
         return RolloutState(s.braking_at, elevator, speed, brakes, beyond), controls, wheels
 
     @property
     def _per_yaw_rate(self) -> float:
         """Steering angle over the wheelbase, for an error of the yaw rate, s/m."""
         return self.yaw_bandwidth * GYRATION**2 / (CORNERING * STANDARD_GRAVITY * NOSE_LOAD * (1.0 - NOSE_LOAD))
+
+    @property
+    def _brakes_per_yaw_rate(self) -> float:
+        """Brakes that one side has more and the other less than both, for an error of the yaw rate, s.
+
+        The yaw acceleration is that of the bandwidth, from a force with half the wheel track as its arm.
+        """
+        if not self.wheel_track:
+            return 0.0
+        return 2.0 * self.yaw_bandwidth * (GYRATION * self.wheelbase) ** 2 / (self.wheel_track * FULL_BRAKES)
 
     def curvature(self, speed: float, cross_track: float, track_error: float) -> float:
         """Curvature, 1/m, + to the right, of the path back to the centreline."""

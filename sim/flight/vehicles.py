@@ -135,7 +135,11 @@ class JsbsimVehicle:
         lateral = state.inner_loops.lookup(flown.equivalent_airspeed**-2.0, flown.flaps).lateral
         gains = dict(zip(SCHEDULED[-len(lateral) :], lateral, strict=True))
         return Rollout(
-            data.wheelbase, data.steering_limit, gains["rudder_per_sideslip"], gains["rudder_yaw_rate"]
+            data.wheelbase,
+            data.wheel_track,
+            data.steering_limit,
+            gains["rudder_per_sideslip"],
+            gains["rudder_yaw_rate"],
         )
 
     def roll(self, state: JsbsimBody, controls: Controls, wheels: WheelControls, dt: float) -> JsbsimBody:
