@@ -17,7 +17,7 @@ PHASES = (
     *("intercept", "downwind", "base_turn", "base", "final_turn", "final", "glide", "flare", "ground", "go_around"),
     "rollout",  # flown by ``autopilot.rollout``
 )
-INTERCEPT, DOWNWIND, BASE_TURN, BASE, FINAL_TURN, FINAL, GLIDE, FLARE, GROUND, GO_AROUND, ROLLOUT = range(len(PHASES))
+INTERCEPT, DOWNWIND, BASE_TURN, BASE, FINAL_TURN, FINAL, GLIDE, FLARE, GROUND, GO_AROUND, _ = range(len(PHASES))
 
 LEG_PHASE = (FINAL, BASE)  # of the last leg and the last but one; all before are downwind
 TURN_PHASE = (FINAL_TURN, BASE_TURN)  # onto them; onto all before: intercept

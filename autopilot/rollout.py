@@ -1,16 +1,16 @@
-"""After the landing: nose lowered, brakes to a stop, the centreline held by rudder and nose wheel.
+"""After the landing: nose lowered, brakes to a stop, the centreline held by nose wheel, rudder and brakes.
 
 With the track chi off the runway's direction the aircraft leaves the centreline by y' = V sin chi, and it turns by the
 curvature kappa of its path, chi' = V kappa. Per metre of path that is the same at every speed, y'' = kappa, so the
 curvature kappa = -(2 chi + y / l) / l brings it back with both poles at -1 / l.
 
 A tyre gives a side force of its load times the slip angle times a coefficient c. So the track follows the heading with
-the lag V / (c g), and the yaw rate follows the steered wheel with the lag k^2 V / (c g a b): a and b are the distances of
-the steered and the main wheels from the centre of gravity, k is the radius of gyration. Feedback of the error of the yaw
-rate e to the steering angle, d = L r / V + w k^2 L / (c g a b) e, gives the yaw rate r the bandwidth w at any speed, and
-the length l is four times what is run within both lags, 1 / w + V / (c g), which leaves a phase margin of 45 deg. Rudder
-and brakes turn the aircraft too, the brakes by what the one side takes off more than the other: some models steer no
-wheel, and at high speed a nose wheel carries little.
+the lag V / (c g), and the yaw rate follows the steered wheel with the lag k^2 V / (c g a b): a and b are the distances
+of the steered and the main wheels from the centre of gravity, k is the radius of gyration. Feedback of the error e of
+the yaw rate to the steering angle, d = L r / V + w k^2 L / (c g a b) e, gives the yaw rate r the bandwidth w at any
+speed, and the length l is four times what is run within both lags, 1 / w + V / (c g), which leaves a phase margin of
+45 deg. Rudder and brakes turn the aircraft too, the brakes by what the one side takes off more than the other: some
+models steer no wheel, and at high speed a nose wheel carries little.
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ class RolloutState(NamedTuple):
 class Rollout:
     """Steers and brakes an aircraft that has landed; ``begin`` and ``step`` pass the state.
 
-    What differs between aircraft comes from their geometry (wheelbase, travel of the steering) and, for the rudder, from
-    the design of the inner loops.
+    What differs between aircraft comes from their geometry (wheelbase, track, travel of the steering) and, for the
+    rudder, from the design of the inner loops.
     """
 
     wheelbase: Annotated[float, "m"]  # from the main wheels forward to the steered one; 0 = none is steered
@@ -117,4 +117,5 @@ class Rollout:
         lags = 1.0 / self.yaw_bandwidth + speed / (CORNERING * STANDARD_GRAVITY)
         length = max(LAGS * speed * lags, LEAST_LENGTH * abs(self.wheelbase), 1.0)
         towards = saturate(-0.5 * cross_track / length, self.intercept)
-        return saturate(2.0 * (towards - track_error) / length, self.lateral_acceleration / max(speed * speed, 1.0))
+        sharpest = self.lateral_acceleration / max(speed * speed, 1.0)
+        return float(saturate(2.0 * (towards - track_error) / length, sharpest))

@@ -133,7 +133,7 @@ def run(
         "checks": found.checks,
         "warnings": [
             *prepared.warnings,
-            *warnings(flown[0], found.flight, scenario.sensors, found.records, found.trackers),
+            *warnings(flown[0], found.flight, scenario.sensors, _until(flown[0], found.records), found.trackers),
         ],
     }
     return Result(prepared, flown, found.records, found.tracks, metrics, timing | found.timing)
@@ -172,6 +172,12 @@ def evaluate(prepared: Prepared, flight: Flight, number: int = 0, own: dict[str,
     every = {**figures, "navigated": navigated, "trackers": trackers}
     checks = evaluate_checks(scenario.checks, flight, scenario.runway, every)
     return Evaluation(records, tracks, figures, trackers, navigated, checks, timing)
+
+
+def _until(flight: Flight, records: dict[str, SensorRecord]) -> dict[str, SensorRecord]:
+    """What was measured before the roll-out."""
+    end = float(flight.time[-1])
+    return {name: record.until(end) for name, record in records.items()}
 
 
 def _on_truth(prepared: Prepared) -> dict[str, Any]:
@@ -221,7 +227,7 @@ def report(result: Result, folder: Path) -> None:
         resolved = {**scenario.tables, "designed": result.prepared.designed.to_table()}
         (folder / "scenario.toml").write_text(dumps(resolved))
         write_json(folder / "metrics.json", result.metrics)
-        write_npz(folder / "flight.npz", flight_arrays(first))
+        write_npz(folder / "flight.npz", flight_arrays(first.whole))
         write_npz(folder / "measurements.npz", measurement_arrays(result.records))
         write_npz(folder / "tracks.npz", track_arrays(result.tracks))
         write(

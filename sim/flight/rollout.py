@@ -9,12 +9,14 @@ import numpy as np
 
 from aircraft.errors import FlightError
 from aircraft.state import AircraftState, Command
-from autopilot.approach import PHASES, ROLLOUT
+from autopilot.approach import PHASES
 from autopilot.route import Route
 from sim.flight.outcomes import TOUCHDOWN_ASIDE
 from sim.flight.record import RECORD_STEP, Event, Flight
 
-STOPPED = 0.5  # m/s over the ground
+ROLLOUT = "rollout"
+STOPPED = "stopped"  # outcome of a roll-out that came to its end
+STANDING = 0.5  # m/s over the ground; slower is a stop
 LONGEST_ROLLOUT = 180.0  # s
 NOTHING_ASKED = math.nan  # the wheels are commanded, not a path or a speed
 
@@ -37,8 +39,8 @@ def roll_out(vehicle: Any, body: Any, route: Route, leg: int, runway: Any, gate_
         states.append(state)
         past, across = runway.from_local(state.north, state.east)
         here = f"{past:.0f} m past the threshold, {abs(across):.1f} m off the centreline"
-        if math.hypot(state.velocity_north, state.velocity_east) < STOPPED:
-            outcome, reason = "stopped", f"stopped {here}"
+        if math.hypot(state.velocity_north, state.velocity_east) < STANDING:
+            outcome, reason = STOPPED, f"stopped {here}"
         elif abs(across) > TOUCHDOWN_ASIDE:
             outcome, reason = "excursion", f"left the runway {here}, at {state.ground_speed:.1f} m/s"
         elif len(states) * RECORD_STEP >= LONGEST_ROLLOUT:
@@ -59,9 +61,9 @@ def roll_out(vehicle: Any, body: Any, route: Route, leg: int, runway: Any, gate_
         AircraftState(*np.array(states, float).T),
         Command(*np.tile(np.array(asked, float)[:, None], count)),
         np.full(count, leg),
-        np.full(count, ROLLOUT),
+        np.full(count, PHASES.index(ROLLOUT)),
         PHASES,
-        (Event(states[0].time, PHASES[ROLLOUT]), Event(states[-1].time, outcome, reason)),
+        (Event(states[0].time, ROLLOUT), Event(states[-1].time, outcome, reason)),
         outcome,
         reason,
         gate_height,

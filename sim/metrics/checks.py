@@ -10,6 +10,7 @@ from aircraft.units import SUFFIXES
 from autopilot.approach import PHASES
 from sim.errors import ScenarioError, did_you_mean
 from sim.flight.record import RECORD_STEP, Flight
+from sim.flight.rollout import ROLLOUT
 from sim.metrics import signals, table
 from sim.scenario.tables import Check, Runway
 
@@ -145,6 +146,8 @@ def _figures(metric: str, metrics: dict[str, Any]) -> str:
 
 
 def _signal(check: Check, signal: signals.Signal, flight: Flight, runway: Runway) -> dict[str, Any]:
+    if ROLLOUT in ((check.during,) if isinstance(check.during, str) else check.during):
+        flight = flight.whole  # everything else ends with the landing
     values = signal.of(flight, runway)
     if signal.magnitude and check.min is None:
         values = np.abs(values)

@@ -56,6 +56,7 @@ def write(
     metrics : as in metrics.json            versions, timing : name -> version, name -> s
     tracked, records : name -> Tracked, name -> SensorRecord of the first flight
     """
+    whole = flight.whole
     flight_charts = current().later(charts, flight, scenario, law)
     trackers, tracked, records = metrics.get("trackers") or {}, tracked or {}, records or {}
     modes = {
@@ -67,16 +68,17 @@ def write(
     believing = {name: tracked[name] for name in modes}
     beliefs = current().later(belief_charts, scenario, flight, trackers, believing, modes, alert)
     shown = shown_trackers(scenario, tracked)
-    errors = error_charts(scenario, flight, trackers, shown, records)
+    airborne = {name: record.until(float(flight.time[-1])) for name, record in records.items()}
+    errors = error_charts(scenario, flight, trackers, shown, airborne)
     script = text_of("replay.js")
     equations, papers, errata = sources(what_ran(scenario, law))
     page = rendered(
         "report.html",
         **first_screen(scenario, flight, metrics, shown),
         conformance=conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
-        charts=[*flight_charts(), *measurement_charts(flight, scenario.sensors, records)],
+        charts=[*flight_charts(), *measurement_charts(whole, scenario.sensors, records)],
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
-        events=event_rows(flight),
+        events=event_rows(whole),
         outcome=words(metrics["flight"]["outcome"]),
         reason=first_clause(flight.reason),
         last_state=last_state(flight),
@@ -85,7 +87,7 @@ def write(
         spread=spread_rows(metrics.get("flights_summary", {})),
         trackers=tracker_tables(trackers) if trackers else [],
         tracker_charts=[*errors, *beliefs()],
-        replay=replay(flight, scenario, shown, records),
+        replay=replay(whole, scenario, shown, records),
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
         draws=metrics.get("draws"),

@@ -17,7 +17,8 @@ def what_happened(flight: Flight, figures: dict[str, Any], checks: list[dict[str
 
     ``figures`` and ``checks`` are those of metrics.json.
     """
-    return f"After {duration(figures['duration_s'])} {_ending(flight, figures.get('touchdown'))}; {_verdict(checks)}."
+    ending = _ending(flight, figures.get("touchdown")) + _rollout(flight, figures.get("rollout"))
+    return f"After {duration(figures['duration_s'])} {ending}; {_verdict(checks)}."
 
 
 def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
@@ -37,6 +38,15 @@ def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
     if reason and not reason.startswith(REPEATING):
         return f"{told} ({reason})"
     return told + _beside_its_leg(flight)
+
+
+def _rollout(flight: Flight, rollout: dict[str, float] | None) -> str:
+    """Where it came to a stop after a landing, or what happened instead; nothing where there was no roll-out."""
+    if flight.rollout is None:
+        return ""
+    if not rollout or rollout["distance_m"] is None:
+        return f"; in the roll-out it was not brought to a stop on the runway ({first_clause(flight.rollout.reason)})"
+    return f" and came to a stop {rollout['distance_m']:.0f} m later"
 
 
 def _beside_its_leg(flight: Flight) -> str:
