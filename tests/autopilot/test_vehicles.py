@@ -22,7 +22,8 @@ FLAPS = math.radians(15.0)
 @pytest.fixture(scope="module")
 def an26():
     choice, flown = AirframeChoice("an26", 20000.0), Configuration(FLAPS, 0.0, 66.0, 74.0)
-    return JsbsimVehicle(designed(choice, [flown], speed=72.0, bank_limit=math.radians(15.0), height=400.0), choice)
+    limits = {"bank_limit": math.radians(15.0), "roll_rate_limit": math.radians(5.0)}
+    return JsbsimVehicle(designed(choice, [flown], speed=72.0, **limits, height=400.0), choice)
 
 
 def vehicle(kind, an26):
@@ -75,6 +76,6 @@ def test_same_flight_twice_is_the_same_to_the_last_bit(an26):
 
 
 def test_law_of_the_point_mass_knows_its_lag():
-    gains = designed_point_mass(72.0, math.radians(15.0))
+    gains = designed_point_mass(72.0, math.radians(15.0), math.radians(5.0))
     assert gains.bank_bandwidth == pytest.approx(1.0 / PointMassVehicle().body.roll_lag)
     gains.law.check_convergence(72.0, turns=True)

@@ -1,0 +1,54 @@
+"""What theory says of the swings of a route law, in words: for pages, for remarks and for the reason of an outcome."""
+
+from __future__ import annotations
+
+import math
+
+from autopilot.design import Designed, lateral_law
+from autopilot.limit_cycles import LimitedLoop, caught, least_offset, limited_loop, sine_balances
+from autopilot.modes.lateral_navigation import LateralNavigation
+from autopilot.route_loop import RouteLoop
+from autopilot.swing_margin import GAIN_MARGIN, first_that_swings
+
+
+def in_words(limited: LimitedLoop, law: LateralNavigation) -> str:
+    """From which start on the limits sustain an oscillation, and which; "" where every oscillation fades."""
+    offset = least_offset(limited, law)
+    if math.isinf(offset):
+        unstable = [one.demand for one in sine_balances(limited, law)[0] if not one.is_stable]
+        if not unstable:
+            return ""
+        asked = math.degrees(min(unstable))
+        return f"caught where the law asks for {asked:.0f} deg of bank or more, which it does on no leg at rest"
+    begun = f"caught from {offset:.1f} m beside the leg at rest" if offset else "whatever the start"
+    cycle = caught(limited, law, offset)
+    if cycle is None:
+        return f"{begun}, without an amplitude of its own"
+    bank = math.degrees(cycle.bank)
+    stops = f"; slower than that: it asks for {cycle.aileron:.1f} of the full aileron" if cycle.aileron > 1.0 else ""
+    return f"{begun}; bank {bank:.1f} deg, period {cycle.period:.1f} s, cross-track {cycle.cross_track:.1f} m{stops}"
+
+
+def remark(loop: RouteLoop, law: LateralNavigation, roll_rate_limit: float, designed: Designed) -> str:
+    """What to know before a law of the file's own flies; "" where its oscillations fade."""
+    words = in_words(limited_loop(loop, law.bank_limit, roll_rate_limit), law)
+    if not words:
+        return ""
+    limits = f"{math.degrees(law.bank_limit):.0f} deg of bank and {math.degrees(roll_rate_limit):.3g} deg/s of roll"
+    return (
+        f"the law of {law.frequency:.3f} rad/s swings by theory: {limits} sustain an oscillation, {words}; "
+        f"the design takes {designed.law.frequency:.3f} rad/s"
+    )
+
+
+def slowness(loop: RouteLoop, designed: Designed, speed: float, roll_rate_limit: float) -> str:
+    """Why a designed law is as slow as it is, to be said where it is too slow; "" where its limits did not slow it."""
+    fastest = lateral_law(designed.bank_bandwidth, speed, designed.bank_limit).frequency
+    if designed.law.frequency > (1.0 - 1e-9) * fastest:
+        return ""
+    border = first_that_swings(designed, loop, speed, roll_rate_limit)
+    return (
+        f"; theory has slowed it from {fastest:.3f} to {designed.law.frequency:.3f} rad/s, a gain margin of "
+        f"{GAIN_MARGIN:.0f}, because from {border:.3f} rad/s on {math.degrees(designed.bank_limit):.0f} deg of bank at "
+        f"{math.degrees(roll_rate_limit):.3g} deg/s of roll sustain an oscillation: allow a faster roll or less bank"
+    )
