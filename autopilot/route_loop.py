@@ -155,6 +155,13 @@ def response(loop: RouteLoop, frequency: Any) -> Any:
     return (loop.C @ x[..., 0].T) + loop.D[:, None]
 
 
+def turning(loop: RouteLoop) -> float:
+    """Share of g times the bank that turns the path in a steady bank: a little is lost to the sideslip that stays."""
+    slow = 0.003 * loop.bandwidth
+    y = np.abs(response(loop, slow)[:, 0])
+    return float(slow**2 * y[CROSS_TRACK] / (STANDARD_GRAVITY * y[BANK]))
+
+
 def law_response(loop: RouteLoop, law: LateralNavigation, frequency: Any) -> Any:
     """(k,) what the law asks for, rad, for a unit sine of the bank command: 1 where an oscillation sustains itself."""
     y = response(loop, frequency)

@@ -167,7 +167,7 @@ def _prepared(scenario: Scenario) -> Prepared:
         if len(route.legs) > 1:
             gains = shallower(gains, fastest, turn_speed - math.hypot(*route.wind))
         lead = gains.time_to_roll(turn_speed, scenario.autopilot.roll_rate_limit)
-        route = dataclasses.replace(route, time_to_roll=lead)
+        route = dataclasses.replace(route, time_to_roll=lead, turning=gains.turning)
     with place("[autopilot.law]"):
         law = _law(scenario, _case(scenario, gains, route))
     with place("[autopilot]"):

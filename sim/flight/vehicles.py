@@ -19,7 +19,7 @@ from aircraft.state import AircraftState, Command
 from aircraft.trim import trim
 from autopilot.design import Designed, OperatingPoint, design, lateral_law
 from autopilot.inner_loops import InnerLoops, LoopState
-from autopilot.route_loop import RouteLoop, lag_loop, route_loop
+from autopilot.route_loop import RouteLoop, lag_loop, route_loop, turning
 from autopilot.swing_margin import steadied
 
 LONGITUDINAL = ("airspeed", "angle_of_attack", "pitch_rate", "pitch", "height")
@@ -167,7 +167,10 @@ def designed(
         points.append(operating_point(airframe, slowest, height, flaps, gear))
         points.append(_fastest(airframe, configuration, height))
     gains, surfaces = design(points, speed, bank_limit), choice.actuators()
-    return steadied(gains, [route_loop(point, gains, surfaces) for point in points], speed, roll_rate_limit)
+    loops = [route_loop(point, gains, surfaces) for point in points]
+    turns = loops[:2]  # they are flown in the first configuration
+    gains = gains._replace(turning=sum(map(turning, turns)) / len(turns))
+    return steadied(gains, loops, speed, roll_rate_limit)
 
 
 def leg_loop(
@@ -258,6 +261,7 @@ def designed_point_mass(
         schedules=(),
         bank_bandwidth=1.0 / lag,
         reference_frequency=1.0 / lag,
+        turning=1.0,
         bank_per_sideslip=0.0,
         **{name: getattr(law, name) for name in ("k1", "k2", *LIMITS)},
     )
