@@ -76,13 +76,13 @@ class Designed(NamedTuple):
     schedules: tuple[Schedule, ...]  # by rising flaps
     bank_bandwidth: float  # rad/s, of the slowest operating point
     reference_frequency: float  # rad/s, of the critically damped bank reference
-    turning: float  # share of g tan(bank) that turns the path: no loop takes the sideslip out of a steady turn
     bank_per_sideslip: float  # that keeps the track straight, in the landing configuration
     k1: float
     k2: float
     bank_limit: float
     cross_track_limit: float
     cross_track_rate_limit: float
+    turning: float = 1.0  # share of g tan(bank) that turns the path: no loop takes the sideslip out of a steady turn
 
     @property
     def law(self) -> LateralNavigation:
@@ -149,7 +149,6 @@ def design(points: Sequence[OperatingPoint], speed: float, bank_limit: float) ->
         tuple(schedules),
         bandwidth,
         reference_frequency(points, bandwidth, bank_limit),
-        1.0,  # until the loops are known
         steady_sideslip(min(points, key=lambda point: point.airspeed))[2],
         law.k1,
         law.k2,

@@ -25,7 +25,7 @@ class Limits:
     stall_angle: float = math.radians(20.0)  # rad
     bank: float = math.radians(60.0)
     load_factor: float = 3.0
-    swing: str = ""  # what theory says of a law that swings
+    swing: str = ""  # what sustains the swings of the law, by theory
     swing_bank: float = math.inf  # rad, beyond which a bank to the other side is part of a swing
 
 
@@ -50,7 +50,7 @@ class OutcomeMonitor:
         verdict = self._verdict(state, leg, finished)
         if verdict is None or not self.has_swung:
             return verdict
-        return verdict[0], f"{verdict[1]}; it swung: {self.limits.swing}"
+        return verdict[0], f"{verdict[1]}; it swung: by theory {self.limits.swing}"
 
     def _watch_bank(self, bank: float, leg: int) -> None:
         """Count how often the bank goes from one side to the other within a leg."""

@@ -198,11 +198,14 @@ def _prepared(scenario: Scenario) -> Prepared:
         flown = LateralNavigation.of(law)
         swing = ""
         if flown is not None and flown != gains.law:
-            swing = swings.remark(_loop(scenario, gains, route.legs[initial.leg], flaps), flown, rate_limit, gains)
+            swing = swings.cause(_loop(scenario, gains, route.legs[initial.leg], flaps), flown, rate_limit)
     with place("[[departures]]"):
         limits = Limits(scenario.until, scenario.runway, swing=swing, swing_bank=0.5 * law.bank_limit)
-        told = (*_warnings(scenario, aircraft), *([swing] if swing else []))
-        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, told)
+        warnings = _warnings(scenario, aircraft)
+        if swing:
+            own = f"the law swings by theory: {swing}"
+            warnings += (f"{own}; without its own numbers the design takes {gains.law.frequency:.3f} rad/s",)
+        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, warnings)
         _ = prepared.controller  # it can be left like that, or says why not
     return prepared
 

@@ -29,16 +29,14 @@ def in_words(limited: LimitedLoop, law: LateralNavigation) -> str:
     return f"{begun}; bank {bank:.1f} deg, period {cycle.period:.1f} s, cross-track {cycle.cross_track:.1f} m{stops}"
 
 
-def remark(loop: RouteLoop, law: LateralNavigation, roll_rate_limit: float, designed: Designed) -> str:
-    """What to know before a law of the file's own flies; "" where its oscillations fade."""
+def cause(loop: RouteLoop, law: LateralNavigation, roll_rate_limit: float) -> str:
+    """What sustains the swings of a law that flies, by theory; "" where its oscillations fade."""
     words = in_words(limited_loop(loop, law.bank_limit, roll_rate_limit), law)
-    if not words:
-        return ""
-    limits = f"{math.degrees(law.bank_limit):.0f} deg of bank and {math.degrees(roll_rate_limit):.3g} deg/s of roll"
-    return (
-        f"the law of {law.frequency:.3f} rad/s swings by theory: {limits} sustain an oscillation, {words}; "
-        f"the design takes {designed.law.frequency:.3f} rad/s"
-    )
+    return words and f"{_limits(law.bank_limit, roll_rate_limit)} sustain an oscillation, {words}"
+
+
+def _limits(bank_limit: float, roll_rate_limit: float) -> str:
+    return f"{math.degrees(bank_limit):.3g} deg of bank at {math.degrees(roll_rate_limit):.3g} deg/s of roll"
 
 
 def slowness(loop: RouteLoop, designed: Designed, speed: float, roll_rate_limit: float) -> str:
@@ -49,6 +47,6 @@ def slowness(loop: RouteLoop, designed: Designed, speed: float, roll_rate_limit:
     border = first_that_swings(designed, loop, speed, roll_rate_limit)
     return (
         f"; theory has slowed it from {fastest:.3f} to {designed.law.frequency:.3f} rad/s, a gain margin of "
-        f"{GAIN_MARGIN:.0f}, because from {border:.3f} rad/s on {math.degrees(designed.bank_limit):.0f} deg of bank at "
-        f"{math.degrees(roll_rate_limit):.3g} deg/s of roll sustain an oscillation: allow a faster roll or less bank"
+        f"{GAIN_MARGIN:.0f}, because from {border:.3f} rad/s on {_limits(designed.bank_limit, roll_rate_limit)} "
+        f"sustain an oscillation: allow a faster roll or less bank"
     )

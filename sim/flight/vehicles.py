@@ -261,7 +261,6 @@ def designed_point_mass(
         schedules=(),
         bank_bandwidth=1.0 / lag,
         reference_frequency=1.0 / lag,
-        turning=1.0,
         bank_per_sideslip=0.0,
         **{name: getattr(law, name) for name in ("k1", "k2", *LIMITS)},
     )
