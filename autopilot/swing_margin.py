@@ -17,7 +17,7 @@ from autopilot.design import Designed, law_of_frequency
 from autopilot.limit_cycles import LimitedLoop, largest_gain, limited_loop
 from autopilot.mode import RATE_MARGIN
 from autopilot.modes.lateral_navigation import LateralNavigation
-from autopilot.route_loop import RouteLoop
+from autopilot.route_loop import RouteLoop, response
 
 GAIN_MARGIN = 2.0  # 6 dB, asked of a loop inside its limits by MIL-F-9490D (from memory); here at every amplitude
 AMPLITUDES = np.geomspace(0.3, 15.0, 30)  # over the bank limit; the gain is largest, and flat, between 0.6 and 5
@@ -36,11 +36,12 @@ def steadied(designed: Designed, loops: Sequence[RouteLoop], speed: float, roll_
 
     Parameters
     ----------
-    loops : those in which the law is flown
+    loops : those in which the law is flown, of one design
     speed : m/s, at which the route is intercepted        roll_rate_limit : rad/s, of the bank command
     """
-    bank_limit = designed.bank_limit
-    limited = [limited_loop(loop, bank_limit, roll_rate_limit, AMPLITUDES, FREQUENCIES) for loop in loops]
+    first = limited_loop(loops[0], designed.bank_limit, roll_rate_limit, AMPLITUDES, FREQUENCIES)
+    others = (first._replace(loop=loop, response=response(loop, first.frequency)) for loop in loops[1:])
+    limited = [first, *others]  # the limits are the same for all
     if not _swings(limited, designed.law, GAIN_MARGIN):
         return designed
     return designed.with_law(_slowed(limited, designed.law, speed, GAIN_MARGIN))
