@@ -20,8 +20,10 @@ from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import RouteLoop, response
 
 GAIN_MARGIN = 2.0  # 6 dB, asked of a loop inside its limits by MIL-F-9490D (from memory); here at every amplitude
-AMPLITUDES = np.geomspace(0.3, 15.0, 30)  # over the bank limit; the gain is largest, and flat, between 0.6 and 5
+AMPLITUDES = np.geomspace(0.3, 15.0, 30)  # over the bank limit; a designed law never asks for more than 10 of it
+ALL_AMPLITUDES = np.geomspace(0.3, 300.0, 50)  # of laws that are not designed
 FREQUENCIES = 140  # gains are then right within 1 or 2 %
+DOUBTFUL = 0.9  # gain from which on such a grid does not decide
 SLOWEST, HALVINGS = 0.02, 16  # of the natural frequency; of the ratio between a law that swings and one that does not
 SHALLOWEST = math.radians(
     10.0
@@ -45,6 +47,12 @@ def steadied(designed: Designed, loops: Sequence[RouteLoop], speed: float, roll_
     if not _swings(limited, designed.law, GAIN_MARGIN):
         return designed
     return designed.with_law(_slowed(limited, designed.law, speed, GAIN_MARGIN))
+
+
+def may_swing(loop: RouteLoop, law: LateralNavigation, roll_rate_limit: float) -> bool:
+    """Whether it is worth looking closer: False where every oscillation of a law fades in a loop."""
+    limited = limited_loop(loop, law.bank_limit, roll_rate_limit, ALL_AMPLITUDES, FREQUENCIES)
+    return largest_gain(limited, law) > DOUBTFUL
 
 
 def first_that_swings(designed: Designed, loop: RouteLoop, speed: float, roll_rate_limit: float) -> float:

@@ -8,7 +8,7 @@ from autopilot.design import Designed, lateral_law
 from autopilot.limit_cycles import LimitedLoop, caught, least_offset, limited_loop, sine_balances
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import RouteLoop
-from autopilot.swing_margin import GAIN_MARGIN, first_that_swings
+from autopilot.swing_margin import GAIN_MARGIN, first_that_swings, may_swing
 
 
 def in_words(limited: LimitedLoop, law: LateralNavigation) -> str:
@@ -31,6 +31,8 @@ def in_words(limited: LimitedLoop, law: LateralNavigation) -> str:
 
 def cause(loop: RouteLoop, law: LateralNavigation, roll_rate_limit: float) -> str:
     """What sustains the swings of a law that flies, by theory; "" where its oscillations fade."""
+    if not may_swing(loop, law, roll_rate_limit):
+        return ""
     words = in_words(limited_loop(loop, law.bank_limit, roll_rate_limit), law)
     return words and f"{_limits(law.bank_limit, roll_rate_limit)} sustain an oscillation, {words}"
 
