@@ -131,6 +131,10 @@ def _route_loop(prepared: Prepared, law: LateralNavigation) -> str:
     found, linear = margins(loop, law), linear_onset(loop, law.bank_limit)
     limited = limited_loop(loop, law.bank_limit, prepared.autopilot.roll_rate_limit)
     words = swings.in_words(limited, law) or "none, every oscillation fades"
+    if law == prepared.designed.law and prepared.scenario.autopilot.estimate_lag == 0.0:
+        speed = max(leg.speed for leg in prepared.route.legs)
+        slowed = swings.slowness(loop, prepared.designed, speed, limited.rate_limit)
+        words += f"; {slowed}" if slowed else ""
     return (
         f"sampled loop: gain margin {found.gain:.2f}, phase margin {math.degrees(found.phase):.0f} deg; laws from "
         f"{linear:.2f} rad/s ({linear / loop.bandwidth:.2f} of the bank loop) are unstable\n"

@@ -186,10 +186,10 @@ def _prepared(scenario: Scenario) -> Prepared:
                 offset=abs(scenario.start.cross_track) if len(route.legs) == 1 else math.inf,
             )
         except ValueError as error:
-            if law != gains.law:
+            if law != gains.law or scenario.autopilot.estimate_lag > 0.0:  # slow for another reason
                 raise
-            loop = _loop(scenario, gains, route.legs[0], flaps)
-            raise ValueError(f"{error}{swings.slowness(loop, gains, fastest, rate_limit)}") from None
+            why = swings.slowness(_loop(scenario, gains, route.legs[0], flaps), gains, fastest, rate_limit)
+            raise ValueError(f"{error}; {why}: allow a faster roll or less bank" if why else str(error)) from None
     with place("[start]"):
         initial = _initial(scenario, route, flaps, landing)
         vehicle = _vehicle(scenario, gains)

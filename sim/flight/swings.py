@@ -42,13 +42,13 @@ def _limits(bank_limit: float, roll_rate_limit: float) -> str:
 
 
 def slowness(loop: RouteLoop, designed: Designed, speed: float, roll_rate_limit: float) -> str:
-    """Why a designed law is as slow as it is, to be said where it is too slow; "" where its limits did not slow it."""
+    """Why a designed law is as slow as it is; "" where its limits did not slow it."""
     fastest = lateral_law(designed.bank_bandwidth, speed, designed.bank_limit).frequency
     if designed.law.frequency > (1.0 - 1e-9) * fastest:
         return ""
     border = first_that_swings(designed, loop, speed, roll_rate_limit)
     return (
-        f"; theory has slowed it from {fastest:.3f} to {designed.law.frequency:.3f} rad/s, a gain margin of "
+        f"theory has slowed the law from {fastest:.3f} to {designed.law.frequency:.3f} rad/s, a gain margin of "
         f"{GAIN_MARGIN:.0f}, because from {border:.3f} rad/s on {_limits(designed.bank_limit, roll_rate_limit)} "
-        f"sustain an oscillation: allow a faster roll or less bank"
+        "sustain an oscillation"
     )
