@@ -83,11 +83,17 @@ class Designed(NamedTuple):
     bank_limit: float
     cross_track_limit: float
     cross_track_rate_limit: float
+    turning: float = 1.0  # share of g tan(bank) that turns the path: no loop takes the sideslip out of a steady turn
 
     @property
     def law(self) -> LateralNavigation:
         """The route law of the design."""
         return LateralNavigation(self.k1, self.k2, self.bank_limit, self.cross_track_limit, self.cross_track_rate_limit)
+
+    def with_law(self, law: LateralNavigation) -> Designed:
+        """The design with another route law."""
+        names = ("k1", "k2", "bank_limit", "cross_track_limit", "cross_track_rate_limit")
+        return self._replace(**{name: getattr(law, name) for name in names})
 
     def time_to_roll(self, speed: float, roll_rate_limit: float) -> float:
         """Time, s, by which a turn flown by the law lags behind the circle of its plan.

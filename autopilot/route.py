@@ -119,6 +119,7 @@ class Route:
     legs: tuple[Leg, ...]
     wind: tuple[float, float] = (0.0, 0.0)  # m/s, the way the air moves, (north, east)
     time_to_roll: float = 2.8  # s, by which the turn lags behind its plan; see Designed.time_to_roll
+    turning: float = 1.0  # share of g tan(bank) that turns the path; see Designed.turning
     _lines: tuple[tuple[float, ...], ...] = field(init=False, repr=False, compare=False)  # end, direction, course
     _table: Any = field(init=False, repr=False, compare=False)  # the same (5, legs)
     _near: dict[tuple[float, float], Any] = field(init=False, repr=False, compare=False)  # see _near_turns
@@ -203,7 +204,7 @@ class Route:
         heading_north_2, heading_east_2 = north_2 * nose_2 + east_2 * drift_2, east_2 * nose_2 - north_2 * drift_2
         cross = heading_north_1 * heading_east_2 - heading_east_1 * heading_north_2
         dot = heading_north_1 * heading_north_2 + heading_east_1 * heading_east_2
-        acceleration = STANDARD_GRAVITY * _tan(bank_limit)
+        acceleration = self.turning * STANDARD_GRAVITY * _tan(bank_limit)
         duration = _arctan2(side * cross, dot) % math.tau * airspeed / acceleration
         radius = side * airspeed * airspeed / acceleration
         # the arc, from the difference of the two right-hand normals, plus the way of the air

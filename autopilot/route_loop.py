@@ -88,6 +88,13 @@ def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float
     return RouteLoop(A, B, C, D, point.airspeed, designed.bank_bandwidth)
 
 
+def lag_loop(lag: float, speed: float) -> RouteLoop:
+    """The loop of a point that banks with one lag (s) behind its command and moves across by g times the bank."""
+    A = np.array([[-1.0 / lag, 0.0, 0.0], [0.0, 0.0, 1.0], [STANDARD_GRAVITY, 0.0, 0.0]])
+    both = expm(STEP * np.block([[A, np.array([[1.0 / lag], [0.0], [0.0]])], [np.zeros((1, 4))]]))
+    return RouteLoop(both[:3, :3], both[:3, 3], np.eye(4, 3), np.zeros(4), speed, 1.0 / lag)
+
+
 def _airframe(point: OperatingPoint, actuators: tuple[float, float]) -> tuple[Any, Any]:
     """x' = F x + G u: sideslip, roll rate, yaw rate, bank, heading, cross-track, aileron and rudder behind their lags.
 
@@ -146,6 +153,13 @@ def response(loop: RouteLoop, frequency: Any) -> Any:
         z * np.eye(len(loop.A)) - loop.A, np.broadcast_to(loop.B[:, None], (*z.shape[:1], *loop.B.shape, 1))
     )
     return (loop.C @ x[..., 0].T) + loop.D[:, None]
+
+
+def turning(loop: RouteLoop) -> float:
+    """Share of g times the bank that turns the path in a steady bank: a little is lost to the sideslip that stays."""
+    slow = 0.003 * loop.bandwidth
+    y = np.abs(response(loop, slow)[:, 0])
+    return float(slow**2 * y[CROSS_TRACK] / (STANDARD_GRAVITY * y[BANK]))
 
 
 def law_response(loop: RouteLoop, law: LateralNavigation, frequency: Any) -> Any:

@@ -88,6 +88,7 @@ def run(
     trackers: dict[str, Any] | None = None,
     plugins: Any = (),
     progress: Callable[..., Any] | None = None,
+    remark: Callable[[str], None] | None = None,
 ) -> Result:
     """Read, fly, observe, track and judge a scenario.
 
@@ -97,6 +98,7 @@ def run(
     overrides : ``{"table.key": value}`` in the spelling of files
     trackers : further trackers by name, objects of the ``tracking.track.Tracker`` protocol
     plugins : what brings kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``
+    remark : called with each warning that is known before anything flies
 
     Raises ``ScenarioError`` for anything that cannot be run.
     """
@@ -111,6 +113,9 @@ def run(
         refuse_too_much(scenario)
         prepared = prepare(scenario)
         check(prepared, trackers)
+    if remark is not None:
+        for sentence in prepared.warnings:
+            remark(sentence)
     with timed(timing, "fly_s"):
         numbers: Any = range(scenario.flights)
         if progress is not None and scenario.flights > 1:
@@ -187,6 +192,7 @@ def run_to_folder(
     out: Path | None,
     progress: Callable[..., Any] | None = None,
     plugins: Any = (),
+    remark: Callable[[str], None] | None = None,
 ) -> tuple[Path, Result]:
     """Run a scenario into a folder, ``out/NAME`` unless told otherwise."""
     started = time.perf_counter()
@@ -194,7 +200,7 @@ def run_to_folder(
     folder = out if out is not None else Path("out") / scenario.name
     refuse_foreign(folder, "run")
     with helper(len(scenario.trackers) >= FEW, functools.partial(_get_ready, scenario.parts)):
-        result = run(scenario, progress=progress)
+        result = run(scenario, progress=progress, remark=remark)
         claim(folder, "run")
         with staged(folder) as place:
             report(result, place)

@@ -12,6 +12,7 @@ from autopilot.route import Route
 LONGEST_FLIGHT = 1800.0  # s
 TOUCHDOWN_BOX = (60.0, 823.0)  # m past the threshold [CS AWO.A.ALS.106, from memory]
 TOUCHDOWN_ASIDE = 21.0  # m off the centreline, of the same box: no scenario knows how wide its runway is
+SWINGS = 2  # from one bank to the other within one leg; a turn onto a leg and its capture are one
 HARDEST_LANDING = 3.05  # m/s, 10 ft/s, the limit sink of the landing gear [CS 25.473]
 
 
@@ -24,6 +25,8 @@ class Limits:
     stall_angle: float = math.radians(20.0)  # rad
     bank: float = math.radians(60.0)
     load_factor: float = 3.0
+    swing: str = ""  # what sustains the swings of the law, by theory
+    swing_bank: float = math.inf  # rad, beyond which a bank to the other side is part of a swing
 
 
 class OutcomeMonitor:
@@ -38,9 +41,27 @@ class OutcomeMonitor:
         self.outside_since: float | None = None
         self.sink = 0.0
         self.touched = ""  # where and how the first wheel touched
+        self.side, self.swings, self.has_swung = 0.0, 0, False
 
     def __call__(self, state: AircraftState, leg: int, finished: str) -> tuple[str, str] | None:
         """(outcome, reason) once the flight is over, else None."""
+        if self.limits.swing:
+            self._watch_bank(state.bank, leg)
+        verdict = self._verdict(state, leg, finished)
+        if verdict is None or not self.has_swung:
+            return verdict
+        return verdict[0], f"{verdict[1]}; it swung: by theory {self.limits.swing}"
+
+    def _watch_bank(self, bank: float, leg: int) -> None:
+        """Count how often the bank goes from one side to the other within a leg."""
+        if leg != self.leg:
+            self.side, self.swings = 0.0, 0
+        if abs(bank) > self.limits.swing_bank and bank * self.side <= 0.0:
+            self.swings += self.side != 0.0
+            self.side = math.copysign(1.0, bank)
+            self.has_swung |= self.swings >= SWINGS
+
+    def _verdict(self, state: AircraftState, leg: int, finished: str) -> tuple[str, str] | None:
         if not math.isfinite(state.north + state.east + state.height + state.airspeed + state.bank):
             return "diverged", "the motion of the aircraft is no number any more"
         if state.main_wheels > 0.0 or state.height < -1.0:

@@ -22,9 +22,11 @@ from autopilot.landing import Landing
 from autopilot.mode import DesignCase, Mode
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, Route, pattern_route
+from autopilot.route_loop import RouteLoop, lag_loop
 from autopilot.stabilised_gate import StabilisedGate
+from autopilot.swing_margin import shallower
 from sim.errors import did_you_mean
-from sim.flight import departures
+from sim.flight import departures, swings
 from sim.flight.airspeeds import (
     MANOEUVRE_MARGIN,
     REFERENCE_ADDITION,
@@ -43,6 +45,7 @@ from sim.flight.vehicles import (
     PointMassVehicle,
     designed,
     designed_point_mass,
+    leg_loop,
 )
 from sim.flight.weather import air
 from sim.randomness import Streams
@@ -166,33 +169,49 @@ def _prepared(scenario: Scenario) -> Prepared:
         route = _route(scenario, landing)
     with place("[aircraft]"):
         gains = _designed(scenario, route, flaps, landing, aircraft)
-        gains = softened(gains, max(leg.speed for leg in route.legs), scenario.autopilot.estimate_lag)
-        turn_speed = min(leg.speed for leg in route.legs)
+        turn_speed, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
+        gains = softened(gains, fastest, scenario.autopilot.estimate_lag)
+        if len(route.legs) > 1:
+            gains = shallower(gains, fastest, turn_speed - math.hypot(*route.wind))
         lead = gains.time_to_roll(turn_speed, scenario.autopilot.roll_rate_limit)
-        route = dataclasses.replace(route, time_to_roll=lead)
+        route = dataclasses.replace(route, time_to_roll=lead, turning=gains.turning)
     with place("[autopilot.law]"):
         law = _law(scenario, _case(scenario, gains, route))
     with place("[autopilot]"):
         if landing is not None:
             landing = dataclasses.replace(landing, sideslip_bank=gains.bank_per_sideslip)
-        autopilot = Approach(
-            route,
-            law,
-            landing,
-            roll_rate_limit=scenario.autopilot.roll_rate_limit,
-            **_decelerations(scenario),
-            flaps=flaps,
-            allow_orbit=scenario.autopilot.allow_orbit,
-            offset=abs(scenario.start.cross_track) if len(route.legs) == 1 else math.inf,
-        )
+        rate_limit = scenario.autopilot.roll_rate_limit
+        try:
+            autopilot = Approach(
+                route,
+                law,
+                landing,
+                roll_rate_limit=rate_limit,
+                **_decelerations(scenario),
+                flaps=flaps,
+                allow_orbit=scenario.autopilot.allow_orbit,
+                offset=abs(scenario.start.cross_track) if len(route.legs) == 1 else math.inf,
+            )
+        except ValueError as error:
+            if law != gains.law or scenario.autopilot.estimate_lag > 0.0:  # slow for another reason
+                raise
+            why = swings.slowness(_loop(scenario, gains, route.legs[0], flaps), gains, fastest, rate_limit)
+            raise ValueError(f"{error}; {why}: allow a faster roll or less bank" if why else str(error)) from None
     with place("[start]"):
         initial = _initial(scenario, route, flaps, landing)
         vehicle = _vehicle(scenario, gains)
     with place("[aircraft]"):
         vehicle.read(vehicle.begin(initial, air(scenario.wind, scenario.runway)))  # it trims, or says why not
+        flown = LateralNavigation.of(law)
+        swing = ""
+        if flown is not None and flown != gains.law:
+            swing = swings.cause(_loop(scenario, gains, route.legs[initial.leg], flaps), flown, rate_limit)
     with place("[[departures]]"):
-        limits = Limits(scenario.until, scenario.runway)
+        limits = Limits(scenario.until, scenario.runway, swing=swing, swing_bank=0.5 * law.bank_limit)
         told = _warnings(scenario, autopilot, aircraft, gains)
+        if swing:
+            own = f"the law swings by theory: {swing}"
+            told += (f"{own}; without its own numbers the design takes {gains.law.frequency:.3f} rad/s",)
         stall = landing_stall_speed(scenario, aircraft, autopilot)
         prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, told, stall)
         _ = prepared.controller  # it can be left like that, or says why not
@@ -298,9 +317,9 @@ def _designed(
         except (TypeError, ValueError, AttributeError, IndexError):
             raise ValueError("[designed] cannot be used; take the table out to design anew") from None
     slowest, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
-    bank_limit = scenario.autopilot.bank_limit
+    limits = scenario.autopilot.bank_limit, scenario.autopilot.roll_rate_limit
     if scenario.aircraft.model == "point_mass":
-        return designed_point_mass(fastest, bank_limit)
+        return designed_point_mass(fastest, *limits)
     if landing is None:
         wanted = [Configuration(flaps, 0.0, 0.96 * slowest, 1.04 * fastest)]
     else:
@@ -310,7 +329,21 @@ def _designed(
             Configuration(landing.flaps, 1.0, 0.97 * final, 1.02 * slowest, -landing.glide_path),
         ]
     highest = max(leg.height for leg in route.legs)
-    return designed(_airframe(scenario), wanted, speed=fastest, bank_limit=bank_limit, height=highest)
+    return designed(
+        _airframe(scenario),
+        wanted,
+        speed=fastest,
+        bank_limit=limits[0],
+        roll_rate_limit=limits[1],
+        height=highest,
+    )
+
+
+def _loop(scenario: Scenario, gains: Designed, leg: Leg, flaps: float) -> RouteLoop:
+    """The loop that the gains close on a leg."""
+    if scenario.aircraft.model == "point_mass":
+        return lag_loop(1.0 / gains.bank_bandwidth, leg.speed)
+    return leg_loop(_airframe(scenario), gains, leg.speed, leg.height, flaps, Approach.gear)
 
 
 def _case(scenario: Scenario, gains: Designed, route: Route) -> DesignCase:

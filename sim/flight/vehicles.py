@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
+from aircraft import model_files
+from aircraft.actuators import actuator_bandwidth
 from aircraft.air import Air
 from aircraft.airframe import RATE, Airframe, Wind, load
 from aircraft.errors import TrimError
@@ -18,6 +20,8 @@ from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
 from aircraft.trim import trim
 from autopilot.design import Designed, OperatingPoint, design, lateral_law
 from autopilot.inner_loops import InnerLoops, LoopState
+from autopilot.route_loop import RouteLoop, lag_loop, route_loop, turning
+from autopilot.swing_margin import steadied
 
 LONGITUDINAL = ("airspeed", "angle_of_attack", "pitch_rate", "pitch", "height")
 LIMITS = ("bank_limit", "cross_track_limit", "cross_track_rate_limit")
@@ -52,6 +56,11 @@ class AirframeChoice(NamedTuple):
     def load(self) -> Airframe:
         """A fresh aircraft; raises ``ModelError`` for anything that cannot be loaded."""
         return load(*self)
+
+    def actuators(self) -> tuple[float, float]:
+        """Bandwidths of aileron and rudder, rad/s; infinite where the model has no lag."""
+        model = model_files.read(self.model)
+        return actuator_bandwidth(model, "aileron"), actuator_bandwidth(model, "rudder")
 
 
 class Vehicle(Protocol):
@@ -146,18 +155,32 @@ def designed(
     *,
     speed: float,
     bank_limit: float,
+    roll_rate_limit: float,
     height: float = 300.0,
 ) -> Designed:
     """Trim and linearise an aircraft at the speeds of its configurations and design its loops and its route law.
 
-    ``speed`` (m/s) is flown on intercepts, ``bank_limit`` (rad) limits the law, ``height`` (m) is where it is trimmed.
+    ``speed`` (m/s) is flown on intercepts, ``bank_limit`` (rad) and ``roll_rate_limit`` (rad/s) limit the bank command,
+    ``height`` (m) is where it is trimmed.
     """
     airframe = choice.load()
     points = []
     for configuration in configurations:
         points.append(_level_or_not(airframe, configuration, (configuration.slowest,), height))
         points.append(_level_or_not(airframe, configuration, _fast(configuration), height))
-    return design(points, speed, bank_limit)
+    gains, surfaces = design(points, speed, bank_limit), choice.actuators()
+    loops = [route_loop(point, gains, surfaces) for point in points]
+    turns = loops[:2]  # they are flown in the first configuration
+    gains = gains._replace(turning=sum(map(turning, turns)) / len(turns))
+    return steadied(gains, loops, speed, roll_rate_limit)
+
+
+def leg_loop(
+    choice: AirframeChoice, gains: Designed, airspeed: float, height: float, flaps: float, gear: float
+) -> RouteLoop:
+    """The loop that a design closes around an aircraft on a leg at an airspeed (m/s), height (m) and flaps (rad)."""
+    point = operating_point(choice.load(), airspeed, height, flaps, gear)
+    return route_loop(point, gains, choice.actuators())
 
 
 def operating_point(
@@ -245,17 +268,20 @@ class PointMassVehicle:
         return self.body.read(state[0])
 
 
-def designed_point_mass(speed: float, bank_limit: float, body: PointMass | None = None) -> Designed:
+def designed_point_mass(
+    speed: float, bank_limit: float, roll_rate_limit: float, body: PointMass | None = None
+) -> Designed:
     """The route law for the point mass, whose bank follows with one lag; it has no loops to design.
 
-    ``speed`` (m/s) is that of intercepts, ``bank_limit`` (rad) that of the law.
+    ``speed`` (m/s) is that of intercepts, ``bank_limit`` (rad) and ``roll_rate_limit`` (rad/s) limit the bank command.
     """
-    bandwidth = 1.0 / (body or PointMass()).roll_lag
-    law = lateral_law(bandwidth, speed, bank_limit)
-    return Designed(
+    lag = (body or PointMass()).roll_lag
+    law = lateral_law(1.0 / lag, speed, bank_limit)
+    gains = Designed(
         schedules=(),
-        bank_bandwidth=bandwidth,
-        reference_frequency=bandwidth,
+        bank_bandwidth=1.0 / lag,
+        reference_frequency=1.0 / lag,
         bank_per_sideslip=0.0,
         **{name: getattr(law, name) for name in ("k1", "k2", *LIMITS)},
     )
+    return steadied(gains, [lag_loop(lag, speed)], speed, roll_rate_limit)

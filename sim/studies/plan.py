@@ -120,10 +120,14 @@ def _flown_tables(scenario: Scenario) -> dict[str, Any]:
 
 
 def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
-    """The tables of every cell with its gains, designed once for all cells that share a design."""
+    """The tables of every cell with its gains, designed once for all cells that share a design.
+
+    A cell that cannot be designed keeps its tables, and its flights say why; raises ``ScenarioError`` where none can.
+    """
     base = _flown_tables(planned.scenario)
     design = functools.cache(_designed)
-    found = []
+    found: list[dict[str, Any]] = []
+    refused = []
     for values in planned.cells:
         tables = with_values(base, values)
         if "designed" not in tables:
@@ -134,8 +138,10 @@ def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
                 tables = {**tables, "designed": design(key, planned.parts)}
             except ScenarioError as error:
                 where = ", ".join(f"{address} = {value}" for address, value in values.items())
-                raise ScenarioError(f"{planned.scenario.name}: with {where or 'these values'}: {error}") from None
+                refused.append(f"{planned.scenario.name}: with {where or 'these values'}: {error}")
         found.append(tables)
+    if len(refused) == len(found):
+        raise ScenarioError(refused[0])
     return tuple(found)
 
 

@@ -16,14 +16,15 @@ from autopilot.route import Leg, Route, pattern_route
 from autopilot.stabilised_gate import StabilisedGate
 from sim.flight.vehicles import AirframeChoice, Configuration, Initial, JsbsimVehicle, designed
 
-BANK = math.radians(15.0)
+BANK, ROLL = math.radians(15.0), math.radians(5.0)
 AN26 = (Configuration(math.radians(15.0), 0.0, 60.0, 73.0), Configuration(math.radians(38.0), 1.0, 56.0, 70.0))
 WHEELS = 2.45  # m, of the An-26 below its centre of gravity
 
 
 @cache
 def design_of(model, mass, configurations, speed):
-    return designed(AirframeChoice(model, mass), configurations, speed=speed, bank_limit=BANK, height=500.0)
+    limits = {"bank_limit": BANK, "roll_rate_limit": ROLL}
+    return designed(AirframeChoice(model, mass), configurations, speed=speed, **limits, height=500.0)
 
 
 def an26():
@@ -82,7 +83,7 @@ def test_an26_capture_is_what_the_double_integrator_predicts_and_the_linear_law_
     """The figures asked of route_capture: 35 m rms, 10 m with the bank reference, 500 m for the linear law."""
     gains, record = an26_capture
     time, z = column(record, "time"), column(record, "east")
-    bank = analysis.BankReference(72.0, math.radians(5.0), gains.reference_frequency)
+    bank = analysis.BankReference(72.0, ROLL, gains.reference_frequency)
 
     def off(prediction):
         return float(np.sqrt(np.mean((prediction.cross_track - z) ** 2)))
@@ -190,7 +191,7 @@ def test_turn_onto_final_ends_on_it(from_deg, speed, most):
     """The figures asked of the pattern: 1 m of overshoot in calm air, 30 m in 10 m/s of wind that the route knows."""
     gains = an26()
     wind = steady_wind(math.radians(from_deg), speed)
-    lead = gains.time_to_roll(69.0, math.radians(5.0))
+    lead = gains.time_to_roll(69.0, ROLL)
     route = pattern_route("left", 400.0, 7000.0, 13800.0, 72.0, 69.0, 300.0, 0.0, wind[:2], lead)
     approach = Approach(route, gains.law, Landing(wheel_height=WHEELS))
     initial = Initial(-13500.0, -3600.0, 400.0, math.pi / 2, 72.0, 0.0, math.radians(15.0), 0.0, 1)

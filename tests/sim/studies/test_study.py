@@ -245,11 +245,26 @@ def test_a_sample_that_cannot_fly_is_one_flight_lost(tmp_path):
     drawn = samples([Sampled("start.height_m", "normal", 1.0, 20.0)], 8, 1)
     below = sum(row["start.height_m"] <= 0 for row in drawn)
     assert 0 < below < 8
-    assert metrics["outcomes"]["crashed"] == below
+    assert metrics["outcomes"]["refused"] == below
     told = [json.loads(text) for text in (tmp_path / "flights.jsonl").read_text().splitlines()]
     assert all(
-        "starts above the ground" in r["metrics"]["reason"] for r in told if r["metrics"]["outcome"] == "crashed"
+        "starts above the ground" in r["metrics"]["reason"] for r in told if r["metrics"]["outcome"] == "refused"
     )
+
+
+def test_a_cell_that_cannot_be_designed_is_refused_and_the_others_fly(tmp_path):
+    """A bank limit that leaves no room for the turns of a short leg is a result of the map."""
+    legs = [
+        {"from_m": [0, 0], "to_m": [9000, 0], "speed_mps": 72, "height_m": 600},
+        {"from_m": [9000, 0], "to_m": [9000, 9000], "speed_mps": 72, "height_m": 600},
+    ]
+    short = {"route": {"kind": "legs", "legs": legs}, "start": {"leg": 0}}
+    metrics = fly(tmp_path / "o", line({"autopilot.bank_limit_deg": [2.0, 15.0]}, **short))
+    assert [row["outcomes"] for row in metrics["rows"]] == [{"refused": 2}, {"completed": 2}]
+    (why,) = metrics["refusals"]
+    assert "at 2 deg of bank its turns need" in why
+    with pytest.raises(ScenarioError, match=r"with autopilot.bank_limit_deg = 2.0: .*its turns need"):
+        fly(tmp_path / "none", line({"autopilot.bank_limit_deg": [2.0]}, **short))
 
 
 def test_trackers_join_the_rows(tmp_path):
