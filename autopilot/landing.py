@@ -9,6 +9,7 @@ from typing import Annotated
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.stabilised_gate import StabilisedGate
 
+SCREEN_HEIGHT = 15.24  # m, 50 ft
 FLOATING = 0.25  # of the touchdown sink, at which the path goes on below the runway
 POSITIVE = (
     *("approach_speed", "glide_path", "capture_load_factor", "capture_cross_track", "flare_time", "touchdown_sink"),
@@ -21,6 +22,7 @@ class Landing:
     """How an approach ends. Heights of the wheels are above the runway, the others are of the aircraft's position."""
 
     approach_speed: Annotated[float, "m/s"] = 58.0
+    threshold_speed: Annotated[float, "m/s"] = 58.0  # to which it is slowed down to before the flare, at most its own
     flaps: Annotated[float, "rad"] = math.radians(38.0)
     glide_path: Annotated[float, "rad"] = math.radians(2.0 + 40.0 / 60.0)
     capture_load_factor: float = 0.05  # taken off while the path bends down onto the glide path
@@ -66,6 +68,10 @@ class Landing:
         if into >= bend:
             return distance * slope, -slope
         return level - slope * into * into / (2.0 * bend), -slope * into / bend
+
+    def slows(self, wheels: float, sink: float, airspeed: float, deceleration: float) -> bool:
+        """x"""
+        return (wheels - SCREEN_HEIGHT) * deceleration < (airspeed - self.threshold_speed) * sink
 
     def flare_begins(self, wheels: float, sink: float) -> bool:
         """Whether the exponential through the wheels' height (m) starts with no more than this sink (m/s)."""

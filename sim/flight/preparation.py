@@ -234,9 +234,10 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
     glide_path = scenario.runway.glide_path
     return flaps, Landing(
         approach_speed=speed,
+        threshold_speed=reference if settings else speed,
         flaps=full,
         glide_path=glide_path,
-        touchdown_sink=TOUCHDOWN_SINK * (speed / TOUCHDOWN_SPEED),
+        touchdown_sink=TOUCHDOWN_SINK * ((reference if settings else speed) / TOUCHDOWN_SPEED),
         wheel_height=aircraft.height_of_wheels,
         gate=StabilisedGate(
             scenario.autopilot.gate_height,
