@@ -11,7 +11,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
+from aircraft.state import MAIN_WHEEL, STANDARD_GRAVITY, AircraftState, Command
 
 Real = Any
 
@@ -168,7 +168,7 @@ class PointMass:
             nothing,
             state.flaps,
             state.gear,
-            on_ground,
+            *(on_ground, MAIN_WHEEL * on_ground, MAIN_WHEEL * on_ground),
         )
 
     def _path_angle(self, state: PointMassState, command: Command, pick: Any, limit: Any) -> Real:

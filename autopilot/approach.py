@@ -28,6 +28,7 @@ ESTABLISHED_TRACK = math.radians(5.0)  # a turn or an intercept is over within t
 ESTABLISHED_CROSS_TRACK = 100.0  # m
 SPEED_SETTLING = 4.0  # s, by which a new speed is ordered earlier than its ramp needs
 FLARE_LAG = 1.0  # m/s
+BOUNCE = 0.5  # m
 LEAST_AIRSPEED = 5.0  # m/s, of the command after a landing; a flying boat floats until then
 CLIMB_AWAY = 2.0  # regained heights: how far at least a go-around climbs
 SETTLED = 1e-3  # m and m/s: a change of height is over
@@ -159,6 +160,8 @@ class Approach:
                 level = max(level, lowest + CLIMB_AWAY * self.landing.regained_height)
             height, climb_rate = self._path(phase, level, height, climb_rate, to_go, over_ground, airspeed, dt)
             slope = math.atan2(climb_rate, over_ground)
+            if phase == FLARE:
+                slope = math.atan2(-self.landing.flare_sink(state.height - self.landing.wheel_height), over_ground)
         airspeed, flaps, gear = self._speed(phase, leg, to_go, airspeed, state.airspeed, state.height - (self.landing.wheel_height if self.landing else 0.0), -climb_rate, dt)
         wanted_bank, sideslip = self.law(deviation), 0.0
         if phase > FINAL:
@@ -207,6 +210,8 @@ class Approach:
             return phase, gate, state.height, s.finished
         if phase == FLARE and state.main_wheels > 0.0:
             return GROUND, gate, state.height, s.finished
+        if phase == GROUND and state.height - landing.wheel_height > BOUNCE:
+            return FLARE, gate, state.height, s.finished
         if phase == GO_AROUND and state.height > s.lowest + landing.regained_height:
             return phase, gate, s.lowest, "go_around"
         return phase, gate, min(s.lowest, state.height), s.finished
@@ -252,12 +257,14 @@ class Approach:
             else:
                 flaps, gear, wanted = landing.flaps, 1.0, landing.approach_speed
                 deceleration = self.glide_deceleration
-            if phase == GLIDE and landing.slows(wheels, sink, airspeed, deceleration):
+            if phase == GLIDE and landing.slows_down(wheels, sink, airspeed, deceleration):
                 wanted = landing.threshold_speed
             if phase in (FLARE, GROUND):
                 wanted, deceleration = LEAST_AIRSPEED, landing.flare_deceleration
-                if phase == FLARE and flown - airspeed > FLARE_LAG:
-                    return airspeed, flaps, gear
+                if phase == FLARE:
+                    wanted = landing.touchdown_speed
+                    if flown - airspeed > FLARE_LAG:
+                        return airspeed, flaps, gear
             if phase == GROUND:
                 airspeed = min(airspeed, flown)  # what the wheels brake is not to be flown back by pitching up
         return rate_limit(airspeed, wanted, deceleration, dt), flaps, gear

@@ -17,7 +17,7 @@ from autopilot.approach import PHASES, Approach
 from autopilot.departure import Departing
 from autopilot.design import Designed, law_of_frequency
 from autopilot.estimate_lag import softened
-from autopilot.landing import Landing
+from autopilot.landing import REFERENCE_MARGIN, Landing
 from autopilot.mode import DesignCase, Mode
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, Route, pattern_route
@@ -45,9 +45,7 @@ from sim.workers.isolation import run_isolated
 
 MODEL_TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
 MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
-REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
 REFERENCE_ADDITION = 2.5  # m/s over the reference speed, at least
-TOUCHDOWN_SINK, TOUCHDOWN_SPEED = 0.4, 58.0  # m/s: every aircraft touches down at this path angle
 SINK_MARGIN = 1.2  # of the gate over the sink of a fast approach, which is briefed for more than 1000 ft/min [FSF ALAR]
 STARTS = {"downwind": 0, "base": 1, "final": 2}  # phases on which a flight can begin, and their legs
 
@@ -228,16 +226,15 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
         return flaps, None
     full = settings[-1].flaps if settings else 0.0
     speed = table.approach_speed
+    stall = aircraft.stall_speed(full, mass) if settings else speed / REFERENCE_MARGIN
     if settings:
-        reference = REFERENCE_MARGIN * aircraft.stall_speed(full, mass)
-        speed = max(speed, reference + REFERENCE_ADDITION)
+        speed = max(speed, REFERENCE_MARGIN * stall + REFERENCE_ADDITION)
     glide_path = scenario.runway.glide_path
     return flaps, Landing(
         approach_speed=speed,
-        threshold_speed=reference if settings else speed,
+        stall_speed=stall,
         flaps=full,
         glide_path=glide_path,
-        touchdown_sink=TOUCHDOWN_SINK * ((reference if settings else speed) / TOUCHDOWN_SPEED),
         wheel_height=aircraft.height_of_wheels,
         gate=StabilisedGate(
             scenario.autopilot.gate_height,
