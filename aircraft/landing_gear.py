@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
+from xml.etree.ElementTree import Element
 
 from aircraft.loading import centre_of_gravity, place
 from aircraft.model_files import Model
@@ -10,13 +12,6 @@ from aircraft.state import FUSELAGE, MAIN_WHEEL, NOSE_WHEEL, TAIL, TAIL_WHEEL, W
 
 HIGHER = 0.5  # m above the lowest main wheel: not a main wheel, nor a nose wheel
 CENTRE = 0.01  # m from the plane of symmetry, at most: in it
-
-
-class Contact(NamedTuple):
-    """A point of the structure that the ground pushes against."""
-
-    node: str  # JSBSim's property for the weight on it
-    part: int  # one of ``aircraft.state.PARTS``
 
 
 class Wheel(NamedTuple):
@@ -28,10 +23,18 @@ class Wheel(NamedTuple):
     z: float  # m up
 
 
+class Contact(NamedTuple):
+    """A point of the structure that the ground pushes against."""
+
+    node: str  # JSBSim's property for the weight on it
+    part: int  # one of ``aircraft.state.PARTS``
+    point: Wheel
+
+
 def main_wheels(model: Model) -> tuple[Wheel, ...]:
     """Wheels off the plane of symmetry; some models put wheels under wing tips and tail too, but higher up."""
     found = []
-    for number, contact in enumerate(model.root.findall("ground_reactions/contact")):
+    for number, contact in enumerate(_elements(model)):
         location = contact.find("location")
         if contact.get("type") != "BOGEY" or location is None:
             continue
@@ -48,41 +51,55 @@ def contacts(model: Model) -> tuple[Contact, ...]:
     Without a nose wheel the aircraft stands on its tail: then the first point behind the main wheels that comes down
     when it does is the tail wheel, be it a wheel or a skid.
     """
+    wheels = {number for number, contact in enumerate(_elements(model)) if contact.get("type") == "BOGEY"}
+    points = {
+        number: Wheel(number, *place(location))
+        for number, contact in enumerate(_elements(model))
+        if (location := contact.find("location")) is not None
+    }
+    parts = dict.fromkeys(points, FUSELAGE)
     mains = main_wheels(model)
-    numbers = {wheel.number for wheel in mains}
-    places, wheels = {}, set()
-    for number, contact in enumerate(model.root.findall("ground_reactions/contact")):
-        location = contact.find("location")
-        if location is not None:
-            places[number] = Wheel(number, *place(location))
-        if contact.get("type") == "BOGEY":
-            wheels.add(number)
-    if not mains:
-        return tuple(Contact(_node(n, n in wheels), FUSELAGE) for n in places)
-    aft = sum(wheel.x for wheel in mains) / len(mains)
-    lowest = min(wheel.z for wheel in mains)
-    outside = max(abs(wheel.y) for wheel in mains)
-    in_centre = [point for point in places.values() if abs(point.y) <= CENTRE and point.number not in numbers]
-    noses = {p.number for p in in_centre if p.number in wheels and p.x < aft and p.z < lowest + HIGHER}
-    behind = [point for point in in_centre if point.x > aft]
-    tail_wheel = min(behind, key=lambda p: (p.z - lowest) / (p.x - aft)).number if behind and not noses else None
-
-    def part(point: Wheel) -> int:
-        if point.number in numbers:
-            return MAIN_WHEEL
-        if point.number in noses:
-            return NOSE_WHEEL
-        if point.number == tail_wheel:
-            return TAIL_WHEEL
-        if abs(point.y) > outside:
-            return WING_TIP
-        return TAIL if point.x > aft and abs(point.y) <= CENTRE else FUSELAGE
-
-    return tuple(Contact(_node(point.number, point.number in wheels), part(point)) for point in places.values())
+    if mains:
+        aft, lowest = _axle(mains)
+        outside = max(abs(wheel.y) for wheel in mains)
+        parts |= {n: WING_TIP for n, point in points.items() if abs(point.y) > outside}
+        centre = [point for point in points.values() if abs(point.y) <= CENTRE]
+        behind = [point for point in centre if point.x > aft]
+        noses = [p for p in centre if p.number in wheels and p.x < aft and p.z < lowest + HIGHER]
+        parts |= {point.number: TAIL for point in behind} | {point.number: NOSE_WHEEL for point in noses}
+        if behind and not noses:
+            parts[min(behind, key=lambda point: (point.z - lowest) / (point.x - aft)).number] = TAIL_WHEEL
+        parts |= {wheel.number: MAIN_WHEEL for wheel in mains}
+    return tuple(
+        Contact(f"{'gear' if number in wheels else 'contact'}/unit[{number}]/WOW", parts[number], point)
+        for number, point in points.items()
+    )
 
 
-def _node(number: int, is_wheel: bool) -> str:
-    return f"{'gear' if is_wheel else 'contact'}/unit[{number}]/WOW"
+def touchdown_pitch(model: Model) -> tuple[float, float]:
+    """Pitch, rad, at which the nose wheel, and at which tail or tail wheel, touch level ground with the main wheels.
+
+    Without such a contact it is -90 or 90 deg.
+    """
+    mains = main_wheels(model)
+    lowest, highest = -math.pi / 2.0, math.pi / 2.0
+    for contact in contacts(model) if mains else ():
+        aft, down = _axle(mains)
+        pitch = math.atan2(contact.point.z - down, contact.point.x - aft)
+        if contact.part == NOSE_WHEEL:
+            lowest = max(lowest, math.remainder(pitch, math.pi))
+        elif contact.part in (TAIL, TAIL_WHEEL):
+            highest = min(highest, pitch)
+    return lowest, highest
+
+
+def _axle(mains: tuple[Wheel, ...]) -> tuple[float, float]:
+    """(x, z) m of the main wheels, in the middle and of the lowest."""
+    return sum(wheel.x for wheel in mains) / len(mains), min(wheel.z for wheel in mains)
+
+
+def _elements(model: Model) -> list[Element]:
+    return model.root.findall("ground_reactions/contact")
 
 
 def wheel_track(model: Model) -> float:

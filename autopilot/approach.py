@@ -27,8 +27,8 @@ FROM_HERE = (FLARE, GO_AROUND)  # phases whose path begins where the aircraft is
 ESTABLISHED_TRACK = math.radians(5.0)  # a turn or an intercept is over within this of the course
 ESTABLISHED_CROSS_TRACK = 100.0  # m
 SPEED_SETTLING = 4.0  # s, by which a new speed is ordered earlier than its ramp needs
-FLARE_LAG = 1.0  # m/s
-BOUNCE = 0.5  # m
+FLARE_LAG = 1.0  # m/s, of the airspeed over its command in the flare, which then waits
+BOUNCE = 0.5  # m of the wheels above the ground: it flies again, and flares again
 LEAST_AIRSPEED = 5.0  # m/s, of the command after a landing; a flying boat floats until then
 CLIMB_AWAY = 2.0  # regained heights: how far at least a go-around climbs
 SETTLED = 1e-3  # m and m/s: a change of height is over
@@ -160,9 +160,11 @@ class Approach:
                 level = max(level, lowest + CLIMB_AWAY * self.landing.regained_height)
             height, climb_rate = self._path(phase, level, height, climb_rate, to_go, over_ground, airspeed, dt)
             slope = math.atan2(climb_rate, over_ground)
-            if phase == FLARE:
-                slope = math.atan2(-self.landing.flare_sink(state.height - self.landing.wheel_height), over_ground)
-        airspeed, flaps, gear = self._speed(phase, leg, to_go, airspeed, state.airspeed, state.height - (self.landing.wheel_height if self.landing else 0.0), -climb_rate, dt)
+            if phase == FLARE and self.landing is not None:  # where the wheels are, not where they were to be
+                wheels = state.height - self.landing.wheel_height
+                slope = math.atan2(-self.landing.flare_sink(wheels), over_ground)
+                slope += self.landing.attitude(wheels, state.pitch)
+        airspeed, flaps, gear = self._speed(phase, leg, to_go, airspeed, state, -climb_rate, dt)
         wanted_bank, sideslip = self.law(deviation), 0.0
         if phase > FINAL:
             wanted_bank, sideslip, crab, aligned = self._aligned(
@@ -242,7 +244,7 @@ class Approach:
         return height - sink * dt, -sink
 
     def _speed(
-        self, phase: int, leg: int, distance: float, airspeed: float, flown: float, wheels: float, sink: float, dt: float
+        self, phase: int, leg: int, distance: float, airspeed: float, state: AircraftState, sink: float, dt: float
     ) -> tuple[float, float, float]:
         """Airspeed, m/s, on its ramp, flaps and gear."""
         landing, deceleration = self.landing, self.deceleration
@@ -257,16 +259,16 @@ class Approach:
             else:
                 flaps, gear, wanted = landing.flaps, 1.0, landing.approach_speed
                 deceleration = self.glide_deceleration
+            wheels = state.height - landing.wheel_height
             if phase == GLIDE and landing.slows_down(wheels, sink, airspeed, deceleration):
                 wanted = landing.threshold_speed
-            if phase in (FLARE, GROUND):
+            elif phase == FLARE:
+                if state.airspeed > airspeed + FLARE_LAG:  # to slow down faster it would raise the nose, and float
+                    return airspeed, flaps, gear
+                wanted, deceleration = landing.touchdown_speed, landing.flare_deceleration
+            elif phase == GROUND:
                 wanted, deceleration = LEAST_AIRSPEED, landing.flare_deceleration
-                if phase == FLARE:
-                    wanted = landing.touchdown_speed
-                    if flown - airspeed > FLARE_LAG:
-                        return airspeed, flaps, gear
-            if phase == GROUND:
-                airspeed = min(airspeed, flown)  # what the wheels brake is not to be flown back by pitching up
+                airspeed = min(airspeed, state.airspeed)  # what the wheels brake is not to be flown back by pitching up
         return rate_limit(airspeed, wanted, deceleration, dt), flaps, gear
 
     def _aligned(

@@ -12,6 +12,8 @@ from autopilot.stabilised_gate import StabilisedGate
 SCREEN_HEIGHT = 15.24  # m, 50 ft: there the reference speed is flown [CS 25.125]
 REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
 TOUCHDOWN_MARGIN = 1.15  # over the stall, at which a flare means to end; it is not slowed down further
+ATTITUDE_HEIGHT = 3.0  # m of the wheels, below which the pitch is led towards what the landing gear allows
+CLEARANCE = math.radians(1.0)  # from the pitch at which nose wheel or tail would touch with the main wheels
 TOUCHDOWN_ANGLE = 0.4 / 58.0  # rad, of the path on which the flare meets the runway
 POSITIVE = (
     *("approach_speed", "glide_path", "capture_load_factor", "capture_cross_track", "flare_time"),
@@ -36,6 +38,8 @@ class Landing:
     climb_angle: Annotated[float, "rad"] = math.radians(3.0)  # of the go-around
     regained_height: Annotated[float, "m"] = 100.0  # after which the go-around is over
     wheel_height: Annotated[float, "given"] = 0.0  # m, height of the aircraft's position with the wheels on the ground
+    lowest_pitch: Annotated[float, "given"] = -math.pi / 2.0  # rad, with nose wheel and main wheels down
+    highest_pitch: Annotated[float, "given"] = math.pi / 2.0  # rad, with tail and main wheels down
     sideslip_bank: Annotated[float, "given"] = 0.0  # bank per sideslip that keeps the track straight
     gate: Annotated[StabilisedGate, "given"] = field(default_factory=StabilisedGate)
 
@@ -108,3 +112,12 @@ class Landing:
     def flare_sink(self, wheels: float) -> float:
         """Sink, m/s, of the flare: it decays with the height of the wheels, at the runway to ``touchdown_sink``."""
         return max(wheels, 0.0) / self.flare_time + self.touchdown_sink
+
+    def attitude(self, wheels: float, pitch: float) -> float:
+        """Angle, rad, by which the flare's path is bent for the landing gear: the nearer to the ground, the more.
+
+        It is the pitch (rad) that lacks for the main wheels to touch first, or, negative, what it is nearer to a strike
+        of the tail than ``CLEARANCE``.
+        """
+        wanted = max(self.lowest_pitch + CLEARANCE, min(pitch, self.highest_pitch - CLEARANCE))
+        return (wanted - pitch) * min(max(1.0 - wheels / ATTITUDE_HEIGHT, 0.0), 1.0)

@@ -236,6 +236,8 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
         flaps=full,
         glide_path=glide_path,
         wheel_height=aircraft.height_of_wheels,
+        lowest_pitch=aircraft.lowest_touchdown_pitch,
+        highest_pitch=aircraft.highest_touchdown_pitch,
         gate=StabilisedGate(
             scenario.autopilot.gate_height,
             sink=max(StabilisedGate.sink, SINK_MARGIN * speed * math.tan(glide_path)),

@@ -30,6 +30,7 @@ from sim.metrics.figures import (
     rates_on_bank,
     settling,
     time_saturated,
+    touchdown_main_first,
     touchdown_track_crab,
 )
 from sim.metrics.signals import bank_rate
@@ -144,6 +145,10 @@ METRICS: tuple[Metric, ...] = (
         2,
     ),
     Metric("touchdown.bank_deg", "deg", "bank at touchdown", at_touchdown(lambda down: np.degrees(down.bank)), 2),
+    Metric(
+        "touchdown.pitch_deg", "deg", "pitch at touchdown", at_touchdown(lambda down: np.degrees(down.pitch)), 2, True
+    ),
+    Metric("touchdown.main_first", "", "main wheels first", touchdown_main_first, 0),
     Metric("touchdown.airspeed_mps", "mps", "airspeed at touchdown", at_touchdown(lambda down: down.airspeed), 2),
     Metric(
         "navigated.error_rms_m",
