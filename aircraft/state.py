@@ -67,8 +67,8 @@ class AircraftState(NamedTuple):
     flaps: Real  # rad
     gear: Real  # 0 up, 1 down
     main_wheels: Real  # share of the main gear units on the ground, 0..1
-    first_contact: Real = 0.0  # sum of ``PARTS`` that touched the ground first, within one step of the motion; 0 = none
-    touched: Real = 0.0  # sum of ``PARTS`` that have touched it so far
+    first_contact: Real  # sum of ``PARTS`` that touched the ground first, within one step of the motion; 0 = none
+    touched: Real  # sum of ``PARTS`` that have touched it so far
 
     @property
     def course(self) -> Real:

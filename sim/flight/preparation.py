@@ -11,6 +11,7 @@ from typing import Any
 from aircraft.airframe import Wind
 from aircraft.data import AircraftData
 from aircraft.errors import ModelError
+from aircraft.properties import FOOT
 from aircraft.runway import Runway as Place
 from aircraft.slowest import complete
 from autopilot.approach import PHASES, Approach
@@ -183,7 +184,9 @@ def _prepared(scenario: Scenario) -> Prepared:
         vehicle.read(vehicle.begin(initial, air(scenario.wind, scenario.runway)))  # it trims, or says why not
     with place("[[departures]]"):
         limits = Limits(scenario.until, scenario.runway)
-        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, _warnings(scenario, aircraft))
+        prepared = Prepared(
+            scenario, autopilot, vehicle, initial, limits, gains, _warnings(scenario, aircraft, landing)
+        )
         _ = prepared.controller  # it can be left like that, or says why not
     return prepared
 
@@ -365,11 +368,20 @@ def _vehicle(scenario: Scenario, gains: Designed) -> Any:
     return PointMassVehicle() if scenario.aircraft.model == "point_mass" else JsbsimVehicle(gains, _airframe(scenario))
 
 
-def _warnings(scenario: Scenario, aircraft: AircraftData) -> tuple[str, ...]:
-    """Wind beyond the limits of the aircraft, and events that the model answers only in part: flown all the same."""
+def _warnings(scenario: Scenario, aircraft: AircraftData, landing: Landing | None) -> tuple[str, ...]:
+    """Wind beyond the limits of the aircraft, a gate that its approach opens, events answered only in part."""
     north, east = scenario.wind.steady
     along, across = scenario.runway.from_local(north, east)
     told = []
+    if landing is not None and landing.gate.sink > StabilisedGate.sink:
+        sink, usual, allowed = (
+            60.0 * speed / FOOT
+            for speed in (landing.approach_speed * landing.slope, StabilisedGate.sink, landing.gate.sink)
+        )
+        told.append(
+            f"a glide path of {math.degrees(landing.glide_path):.2f} deg at {landing.approach_speed:.1f} m/s sinks at "
+            f"{sink:.0f} ft/min: its gate lets {allowed:.0f} ft/min pass, not the usual {usual:.0f}"
+        )
     if scenario.wind.events and scenario.aircraft.model == "point_mass":
         told.append("the point mass keeps its airspeed in wind events: they only carry it along")
     if along > aircraft.tailwind_limit:
