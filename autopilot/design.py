@@ -23,15 +23,13 @@ AIRSPEED_INTEGRAL, HEIGHT_INTEGRAL = 12.0, 30.0  # m, m s
 THROTTLE = ELEVATOR = 0.25  # of full control
 SIDESLIP, ROLL_RATE, YAW_RATE, BANK = math.radians(3), math.radians(12), math.radians(6), math.radians(4)
 BANK_INTEGRAL = math.radians(12)  # rad s
-AILERON = RUDDER = 0.35
+AILERON, RUDDER = 0.47, 0.35  # of full control
 
 REFERENCE_SHARE = (
     3.0  # of the bandwidth of the bank loop: natural frequency of the reference, which only rounds corners
 )
 COMMAND_RATE = math.radians(5.0)  # rad/s, at which the commanded bank runs up to its limit
-BANK_OVERSHOOT = (
-    0.07  # of the bank limit, 1 of 15 deg, over it at the end of that ramp; a slow loop needs a slower reference
-)
+BANK_OVERSHOOT = 0.1  # of the bank limit, over it at the end of that ramp; a slow loop needs a slower reference
 SETTLED, STEP = 20.0, 0.05  # s, of the ramp that is looked at
 SLOWEST_REFERENCE = 0.3  # of the bandwidth
 LAW_SHARE = 1.0 / 6.0  # of the bandwidth of the bank loop: fastest natural frequency of the route law

@@ -47,14 +47,16 @@ class OutcomeMonitor:
         self.leg, self.turned, self.course = -1, 0.0, 0.0
         self.start_offset = 0.0
         self.outside_since: float | None = None
-        self.sink = 0.0
+        self.sink = 0.0  # m/s, before the last contact
+        self.parts = 0.0  # that have touched the ground so far
         self.touched: tuple[float, float, float] | None = None  # m past and right of the threshold, sink m/s, at first
 
     def __call__(self, state: AircraftState, leg: int, finished: str) -> tuple[str, str] | None:
         """(outcome, reason) once the flight is over, else None."""
         if not math.isfinite(state.north + state.east + state.height + state.airspeed + state.bank):
             return "diverged", "the motion of the aircraft is no number any more"
-        if state.main_wheels > 0.0 or state.touched or state.height < SUNK:
+        another, self.parts = state.touched != self.parts, state.touched
+        if another or state.main_wheels > 0.0 or state.height < SUNK:
             verdict = self._contact(state)
             if verdict is not None:
                 return verdict
