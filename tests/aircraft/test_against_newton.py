@@ -67,7 +67,7 @@ def test_air_velocity_plus_wind_is_the_velocity_over_the_ground(steady, wind):
 def test_golden_load_factors_of_the_glistin_check():
     # n = (.02, 1.05, .01) forward, up, right; bank -15 deg, path -3 deg, course 120 deg to the left of X:
     # a_X = -2.58483743, a_Z = .66359067 in its axes X forward, Z right
-    state = AircraftState(*[0.0] * 26)._replace(
+    state = AircraftState(*[0.0] * len(AircraftState._fields))._replace(
         specific_force_forward=0.02 * STANDARD_GRAVITY,
         specific_force_right=0.01 * STANDARD_GRAVITY,
         specific_force_down=-1.05 * STANDARD_GRAVITY,
@@ -109,7 +109,7 @@ def test_axes_are_those_of_an_independent_rotation():
     heading, bank = generator.uniform(-math.pi, math.pi, (2, 200))
     pitch, alpha, beta = generator.uniform(-0.8, 0.8, (3, 200))
     force = generator.normal(0.0, 10.0, (200, 3))
-    state = AircraftState(*[np.zeros(200)] * 26)._replace(
+    state = AircraftState(*[np.zeros(200)] * len(AircraftState._fields))._replace(
         heading=heading,
         pitch=pitch,
         bank=bank,
