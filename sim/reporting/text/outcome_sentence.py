@@ -28,7 +28,7 @@ def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
     if touchdown and outcome in ("landed", "ground"):
         if outcome == "landed":
             return f"the aircraft landed {_touchdown(touchdown)}{_first(flight)}"
-        return f"the aircraft did not land: it {reason}"
+        return f"the aircraft did not land: it {reason or f'touched down {_touchdown(touchdown)}'}"
     told = {
         "ground": "the aircraft hit the ground",
         "orbit": "the flight was ended because the aircraft orbits instead of reaching its leg",
