@@ -19,14 +19,14 @@ from aircraft.air import Air
 from aircraft.data import AircraftData, describe
 from aircraft.errors import FlightError, ModelError
 from aircraft.executive import fresh_executive, sentence
-from aircraft.landing_gear import main_wheels
+from aircraft.landing_gear import Contact, contacts
 from aircraft.power_plant import started
 from aircraft.properties import EARTH_RADIUS, FOOT, getter, node, setter
 from aircraft.runway import Runway
-from aircraft.state import AircraftState, Controls
+from aircraft.state import MAIN_WHEEL, AircraftState, Controls
 from aircraft.wind import SteadyWind
 
-HIGHEST_WHEEL = 30.0  # m; above, no wheel of any aircraft can touch level ground
+HIGHEST_WHEEL = 30.0  # m; above, no part of any aircraft can touch level ground
 RATE = 120  # Hz, of the equations of motion
 UNTOLD_FLAPS = math.radians(40.0)  # full deflection of a model that gives only its share
 _NEW = tuple.__new__  # an AircraftState from a tuple of its fields at half the time of its own constructor
@@ -68,7 +68,7 @@ class Airframe:
         executive: Any,
         aircraft: AircraftData,
         runway: Runway,
-        main_gear: tuple[int, ...],
+        points: tuple[Contact, ...],
         has_propellers: bool,
         air: Air | None = None,
     ) -> None:
@@ -85,8 +85,10 @@ class Airframe:
                 setter(manager, wanted)(value / wanted.factor)
         self._accelerations = [getter(manager, wanted) for wanted in properties.ACCELERATIONS]
         self._mass = getter(manager, properties.MASS)
-        self._main_wheels = [node(manager, f"gear/unit[{unit}]/WOW").get_double_value for unit in main_gear]
-        self._main_wheel_count = max(len(main_gear), 1)
+        self._contacts = [(node(manager, point.node).get_double_value, point.part) for point in points]
+        self._main_wheels = [weight for weight, part in self._contacts if part == MAIN_WHEEL]
+        self._main_wheel_count = max(len(self._main_wheels), 1)
+        self._first_contact = self._touched = 0
         self._elevation = runway.elevation
         self._initial = [(setter(manager, wanted), wanted.factor) for wanted in properties.INITIAL]
         self._surfaces = [setter(manager, wanted) for wanted in properties.SURFACES]
@@ -176,7 +178,8 @@ class Airframe:
     def _fly(self, controls: Controls, substeps: int, wind: Wind | None) -> None:
         self._has_flown = True
         self._command(controls)
-        run = self._run
+        last = self._last
+        run = self._run if last is None or last.height > HIGHEST_WHEEL else self._run_and_feel
         if wind is None:
             for _ in range(substeps):
                 run()
@@ -193,6 +196,16 @@ class Airframe:
         for substep in range(substeps):
             blow(*velocity(time + substep / RATE, position, airspeed))
             run()
+
+    def _run_and_feel(self) -> None:
+        """One step near the ground: two parts that touch it between two records do so in their order."""
+        self._run()
+        touching = 0
+        for weight, part in self._contacts:
+            if weight():
+                touching |= part
+        self._first_contact = self._first_contact or touching
+        self._touched |= touching
 
     def read(self) -> AircraftState:
         """The state now; raises ``FlightError`` with the last good one when a number is not finite."""
@@ -237,6 +250,8 @@ class Airframe:
                 flaps * self._flaps_factor,
                 gear,
                 wheels / self._main_wheel_count,
+                float(self._first_contact),
+                float(self._touched),
             ),
         )
         self._last = state
@@ -335,11 +350,11 @@ def load(
 def _built(source: model_files.Model, aircraft: AircraftData, runway: Runway, air: Air | None, stock: bool) -> Airframe:
     """The airframe of a model; a stock one is repaired where it waits for another simulator."""
     told = repairs.drive_directly(source) if stock else None
-    wheels = tuple(wheel.number for wheel in main_wheels(source))
+    points = contacts(source)
     while True:
         executive = fresh_executive(source, RATE)
         try:
-            airframe = Airframe(executive, aircraft, runway, wheels, repairs.has_propellers(source), air)
+            airframe = Airframe(executive, aircraft, runway, points, repairs.has_propellers(source), air)
         except (KeyError, jsbsim.BaseError) as error:
             said = sentence([*map(str, error.args)])
             if not stock or not repairs.define_missing(source, said):

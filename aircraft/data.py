@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_type_hints
 
 from aircraft.errors import ModelError
-from aircraft.landing_gear import height_of_wheels, wheel_track
+from aircraft.landing_gear import height_of_wheels, touchdown_pitch, wheel_track
 from aircraft.loading import total_mass
 from aircraft.model_files import Model, folder, is_file, read
 from aircraft.safe_xml import confined
@@ -45,6 +45,8 @@ class AircraftData:
     centre_of_gravity_max: float = 1.0
     wheel_track: Annotated[float, "m"] = 0.0
     height_of_wheels: Annotated[float, "m"] = 0.0  # centre of gravity above the main wheels, gear down
+    lowest_touchdown_pitch: Annotated[float, "rad"] = -math.pi / 2.0  # at which the nose wheel touches with the mains
+    highest_touchdown_pitch: Annotated[float, "rad"] = math.pi / 2.0  # at which the tail does
     gear_placard_speed: Annotated[float, "m/s"] = math.inf
     sink_limit: Annotated[float, "m/s"] = 3.05
     tailwind_limit: Annotated[float, "m/s"] = math.inf
@@ -80,11 +82,14 @@ def describe(source: Model, model: str | Path) -> AircraftData:
     """Data of a model that is read already: from its TOML, and from its XML the mass and the main wheels."""
     home = folder(model)
     path = home / f"{source.name}.toml"
+    lowest, highest = touchdown_pitch(source)
     from_model: dict[str, Any] = {
         "title": source.name,
         "reference_mass": total_mass(source),
         "wheel_track": wheel_track(source),
         "height_of_wheels": height_of_wheels(source),
+        "lowest_touchdown_pitch": lowest,
+        "highest_touchdown_pitch": highest,
     }
     if not is_file(path):
         return AircraftData(**from_model)

@@ -23,7 +23,7 @@ AIRSPEED_INTEGRAL, HEIGHT_INTEGRAL = 12.0, 30.0  # m, m s
 THROTTLE = ELEVATOR = 0.25  # of full control
 SIDESLIP, ROLL_RATE, YAW_RATE, BANK = math.radians(3), math.radians(12), math.radians(6), math.radians(4)
 BANK_INTEGRAL = math.radians(12)  # rad s
-AILERON = RUDDER = 0.35
+AILERON, RUDDER = 0.47, 0.35  # of full control
 
 REFERENCE_SHARE = (
     3.0  # of the bandwidth of the bank loop: natural frequency of the reference, which only rounds corners

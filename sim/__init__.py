@@ -56,6 +56,8 @@ Data
     - ``specific_force_forward``, ``specific_force_right``, ``specific_force_down`` m/s2, body axes, all but gravity
     - ``aileron``, ``elevator``, ``rudder`` -1..1, + rolls right, pitches up, yaws right; ``throttle`` 0..1
     - ``flaps`` rad; ``gear`` 0 up, 1 down; ``main_wheels`` 0..1, the share of them on the ground
+    - ``first_contact``, ``touched`` - what touched the ground first, and so far: sums of parts
+      (aircraft.state.PARTS), 0 = none yet
     - what follows from them: ``course``, ``ground_speed``, ``air_velocity``, ``flight_path_angle`` and ``air_course``
       through the air, ``aerodynamic_bank``, ``load_factor``, ``acceleration``
 - `Command` - what the autopilot asks of the inner loops (aircraft.state)

@@ -36,7 +36,8 @@ HEAD = (
 
 def speeds(settings: Sequence[Any]) -> tuple[float, float]:
     """(manoeuvring, approach) indicated airspeed, m/s, from the flap settings of an aircraft."""
-    from sim.flight.airspeeds import MANOEUVRE_MARGIN, REFERENCE_ADDITION, REFERENCE_MARGIN
+    from autopilot.landing import REFERENCE_MARGIN
+    from sim.flight.airspeeds import MANOEUVRE_MARGIN, REFERENCE_ADDITION
 
     ordered = sorted(settings, key=lambda setting: setting.flaps)
     approach = REFERENCE_MARGIN * ordered[-1].stall_speed + REFERENCE_ADDITION

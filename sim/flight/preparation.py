@@ -12,13 +12,14 @@ from aircraft.airframe import Wind
 from aircraft.data import AircraftData
 from aircraft.errors import ModelError
 from aircraft.point_mass import PointMass
+from aircraft.properties import FOOT
 from aircraft.runway import Runway as Place
 from aircraft.slowest import complete
 from autopilot.approach import PHASES, Approach
 from autopilot.departure import Departing
 from autopilot.design import Designed, law_of_frequency
 from autopilot.estimate_lag import softened
-from autopilot.landing import Landing
+from autopilot.landing import REFERENCE_MARGIN, Landing
 from autopilot.mode import DesignCase, Mode
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, Route, pattern_route
@@ -30,7 +31,6 @@ from sim.flight import departures, swings
 from sim.flight.airspeeds import (
     MANOEUVRE_MARGIN,
     REFERENCE_ADDITION,
-    REFERENCE_MARGIN,
     landing_stall_speed,
     least_approach_speed,
     level_speeds,
@@ -57,7 +57,6 @@ from sim.scenario.tables import STARTS, PatternTable
 from sim.workers.isolation import run_isolated
 
 MODEL_TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
-TOUCHDOWN_SINK, TOUCHDOWN_SPEED = 0.4, 58.0  # m/s: every aircraft touches down at this path angle
 SINK_MARGIN = 1.2  # of the gate over the sink of a fast approach, which is briefed for more than 1000 ft/min [FSF ALAR]
 
 
@@ -256,16 +255,20 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
         return flaps, None
     full = settings[-1].flaps if settings else 0.0
     speed = table.approach_speed
+    stall = speed / REFERENCE_MARGIN  # true, over the runway
     if settings:
         reference = least_approach_speed(aircraft, full, mass)
         speed = max(speed, reference / air.equivalent_share(table.height))  # it is least where final begins
+        stall = aircraft.stall_speed(full, mass) / air.equivalent_share(0.0)
     glide_path = scenario.runway.glide_path
     return flaps, Landing(
         approach_speed=speed,
+        stall_speed=stall,
         flaps=full,
         glide_path=glide_path,
-        touchdown_sink=TOUCHDOWN_SINK * (speed / TOUCHDOWN_SPEED),
         wheel_height=aircraft.height_of_wheels,
+        lowest_pitch=aircraft.lowest_touchdown_pitch,
+        highest_pitch=aircraft.highest_touchdown_pitch,
         gate=StabilisedGate(
             scenario.autopilot.gate_height,
             sink=max(StabilisedGate.sink, SINK_MARGIN * speed * math.tan(glide_path)),
@@ -420,7 +423,16 @@ def _warnings(scenario: Scenario, autopilot: Approach, aircraft: AircraftData, g
     """What is beyond the limits of the aircraft or of the model, and what was changed: flown all the same."""
     north, east = scenario.wind.steady
     along, across = scenario.runway.from_local(north, east)
-    told = []
+    told, landing = [], autopilot.landing
+    if landing is not None and landing.gate.sink > StabilisedGate.sink:
+        sink, usual, allowed = (
+            60.0 * speed / FOOT
+            for speed in (landing.approach_speed * landing.slope, StabilisedGate.sink, landing.gate.sink)
+        )
+        told.append(
+            f"a glide path of {math.degrees(landing.glide_path):.2f} deg at {landing.approach_speed:.1f} m/s sinks at "
+            f"{sink:.0f} ft/min: its gate lets {allowed:.0f} ft/min pass, not the usual {usual:.0f}"
+        )
     if scenario.wind.events and scenario.aircraft.model == "point_mass":
         told.append("the point mass keeps its airspeed in wind events: they only carry it along")
     if along > aircraft.tailwind_limit:

@@ -91,6 +91,24 @@ def test_thrust_agrees_with_blade_elements(speed, wanted):
     assert handbook.propeller_thrust(power, speed, loss, 3.9) == pytest.approx(wanted, rel=0.05)
 
 
+def test_load_over_the_span_at_its_limits():
+    """Strip theory for a wing without end, the closed form of the damping for one with; two ailerons add up."""
+    endless = 1e5
+    assert math.pi * endless / 4.0 * handbook.rolling_load(endless, 1.0)[0] == pytest.approx(math.pi / 3.0, rel=0.005)
+    strip = 2.0 * math.pi * (0.9**2 - 0.6**2) / 4.0
+    assert handbook.aileron_power(endless, 1.0, 0.6, 0.9, 1.0) == pytest.approx(strip, rel=0.02)
+    damping = math.pi * 11.4 / 4.0 * handbook.rolling_load(11.4, 0.31)[0]
+    assert damping == pytest.approx(-handbook.roll_damping(11.4, 0.31), rel=0.02)
+    inside, outside = (handbook.aileron_power(11.4, 0.31, *ends, 1.0) for ends in ((0.2, 0.6), (0.6, 0.98)))
+    assert inside + outside == pytest.approx(handbook.aileron_power(11.4, 0.31, 0.2, 0.98, 1.0))
+
+
+def test_full_aileron_rolls_it_as_a_transport():
+    """Helix angle of the tip in steady roll: 0.07 was asked of transports, 0.09 of fighters [Perkins and Hage 1949]."""
+    values = build.derivatives()
+    assert 0.07 < values["Clda"] * build.fact("aileron_travel") / -values["Clp"] < 0.105
+
+
 def test_the_flying_model_has_the_thrust_of_its_table():
     """Level acceleration at full and at idle power differ by the thrust of two propellers over the mass."""
     airframe = load("an26")

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from aircraft.state import MAIN_WHEEL
 from aircraft.wind import steady_wind
 from autopilot import analysis
 from autopilot.approach import PHASES, Approach
@@ -151,8 +152,9 @@ def test_an26_lands_from_the_level_leg():
     assert 350.0 < record[at][0].north < 600.0
     assert abs(record[at][0].east) < 2.0
     assert -record[at - 1][0].velocity_up < 0.8
-    assert record[at][0].airspeed > 1.1 * 41.3  # of the published stall speed
-    assert math.degrees(record[at][0].pitch) > -1.0
+    assert 1.1 * 41.3 < record[at - 1][0].airspeed < 1.25 * 41.3  # of the published stall speed
+    assert math.degrees(record[at - 1][0].pitch) > 1.0
+    assert record[at][0].first_contact == MAIN_WHEEL
 
 
 @pytest.mark.parametrize("from_deg", [90.0, 225.0])
@@ -168,6 +170,31 @@ def test_an26_takes_the_crab_out_before_it_touches_down(from_deg):
     assert -record[at - 1][0].velocity_up < 1.0
     assert record[-1][0].main_wheels == 1.0  # and settles on all wheels
     assert record[-1][0].north < 823.0
+
+
+@pytest.mark.parametrize(("pitch_deg", "bent_deg"), [(-3.0, 4.0), (0.5, 0.5), (1.5, 0.0), (7.0, 0.0), (9.0, -1.5)])
+def test_flare_bends_for_the_nose_wheel_and_for_the_tail(pitch_deg, bent_deg):
+    """An-26: nose wheel down at 0 deg, tail at 8.5; a degree is kept from either, on the ground the whole of it."""
+    landing = Landing(lowest_pitch=0.0, highest_pitch=math.radians(8.5))
+    pitch = math.radians(pitch_deg)
+    assert math.degrees(landing.attitude(0.0, pitch)) == pytest.approx(bent_deg)
+    assert math.degrees(landing.attitude(1.5, pitch)) == pytest.approx(0.5 * bent_deg)
+    assert landing.attitude(3.0, pitch) == 0.0
+    assert Landing().attitude(0.0, pitch) == 0.0  # without wheels that are known
+
+
+def test_speed_falls_to_the_reference_speed_at_the_screen_height_and_on_to_the_touchdowns():
+    landing = Landing(approach_speed=58.0, stall_speed=40.0)
+    sink = 58.0 * landing.slope
+    time = (58.0 - 52.0) / 0.5  # s, of the deceleration before the screen height
+    assert landing.slows_down(15.24 + 0.99 * sink * time, sink, 58.0, 0.5)
+    assert not landing.slows_down(15.24 + 1.01 * sink * time, sink, 58.0, 0.5)
+    wheels, speed, dt = landing.flare_time * (52.0 * landing.slope - landing.touchdown_sink), 52.0, 0.01
+    while landing.flare_sink(wheels) > 1.001 * landing.touchdown_sink:
+        wheels, speed = wheels - landing.flare_sink(wheels) * dt, speed - landing.flare_deceleration * dt
+        if wheels < 0.01:
+            break
+    assert speed == pytest.approx(1.15 * 40.0, abs=0.2)  # when the exponential meets the ground
 
 
 def test_an26_goes_around_and_climbs_away_clean():

@@ -68,7 +68,11 @@ def test_every_other_end_is_told_with_its_reason(make_flight, outcome, reason, a
 
 def test_contact_beside_the_runway_is_no_landing(make_flight):
     told = what_happened(ended(make_flight, "ground"), touched(-120.0, 35.0, 4.0), [BROKEN])
-    assert "did not land: 120 m before the threshold, 35.0 m right of the centreline, sinking at 4.00 m/s" in told
+    assert "land: it touched down 120 m before the threshold, 35.0 m right of the centreline, sinking at 4.00" in told
+    why = "touched down 934 m past the threshold, beyond the box of 823 m"
+    assert f"did not land: it {why}; 1 of 1" in what_happened(
+        ended(make_flight, "ground", why), touched(934.0, 0.0, 0.6), [BROKEN]
+    )
 
 
 @pytest.mark.parametrize(
