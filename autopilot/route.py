@@ -119,6 +119,7 @@ class Route:
     legs: tuple[Leg, ...]
     wind: tuple[float, float] = (0.0, 0.0)  # m/s, the way the air moves, (north, east)
     time_to_roll: float = 2.8  # s, by which the turn lags behind its plan; see Designed.time_to_roll
+    chart: tuple[tuple[int, float, float], ...] = ()  # leg, m to its end from which on, and the m/s that a chart shows
     _lines: tuple[tuple[float, ...], ...] = field(init=False, repr=False, compare=False)  # end, direction, course
     _table: Any = field(init=False, repr=False, compare=False)  # the same (5, legs)
     _near: dict[tuple[float, float], Any] = field(init=False, repr=False, compare=False)  # see _near_turns
@@ -212,6 +213,16 @@ class Route:
         straight = (arc_north * east_2 - arc_east * north_2) / sine  # m before the corner where the arc must begin
         past = arc_north * north_2 + arc_east * east_2 - straight * (north_1 * north_2 + east_1 * east_2)
         return Turn(straight + self.time_to_roll * self.ground_speed(leg, airspeed), past, duration)
+
+    def charted_speed(self, leg: Any, distance_to_go: Any) -> Any:
+        """Airspeed, m/s, that the chart shows so far (m) before the end of each run's leg (an int array).
+
+        NaN where it shows none.
+        """
+        speed = np.full(np.shape(distance_to_go), np.nan)
+        for number, begins, shown in self.chart:
+            speed = np.where((leg == number) & (distance_to_go <= begins), shown, speed)
+        return speed
 
     def ground_speed(self, leg: int, airspeed: Any) -> Any:
         """Speed over the ground along a leg that is held against the wind, m/s."""

@@ -29,6 +29,7 @@ from tracking.motion import (
 
 Array = Any
 
+SPEED_TIME = 20.0  # s, in which an aircraft comes to the charted speed: 10 m/s at 0.5 m/s2
 SLOWEST = 1.0  # m/s: a target at rest has no course
 JUMP = 1e-2  # rad of bank over a millimetre: ten radians per metre are no law's slope
 CROSS_TRACK = ("cross_track", "cross_track_rate")
@@ -202,9 +203,11 @@ class Legs:
         return self._normals[:, place]
 
     def steered(self, place: Array, mean: Array, bank: Array, dt: float) -> Array:
-        """A level turn of the velocity through the air: g tan(bank) at right angles to it."""
-        through_air = mean - self._drift(mean, 0.0)
-        speed = np.maximum(np.hypot(through_air[1], through_air[3]), SLOWEST)
+        """A level turn of the velocity through the air, g tan(bank) at right angles to it, at the charted speed.
+
+        The speed is a control like the bank: it comes to the charted one as the autopilot's does.
+        """
+        through_air, speed = self._at_charted_speed(place, mean, dt)[:2]
         turn = turn_transition(dt, turn_rate_of(bank, speed))
         return np.einsum("ij...,j...->i...", turn, through_air) + self._drift(mean, dt)
 
@@ -213,20 +216,39 @@ class Legs:
 
         Along it only the beacon law changes, by the ratio of cross-track to distance less.
         """
-        through_air = mean - self._drift(mean, 0.0)
+        through_air, speed, slowed = self._at_charted_speed(place, mean, dt)
         moved, F = course_kinematics(through_air, control.bank, dt)
+        F = np.einsum("ij...,jk...->ik...", F, lift(slowed, 2, F.ndim - 2))
         normal = lift(self.normal(place), 1, mean.ndim - 1)
         gradient = np.empty(np.broadcast_shapes(mean.shape, (4, *control.per_cross_track.shape)))  # d bank / d state
         gradient[0::2] = normal * control.per_cross_track
         gradient[1::2] = normal * control.per_cross_track_rate
         # the bank acts at right angles to the air velocity: d acceleration / d bank = g / cos^2(bank)
         north_rate, east_rate = through_air[1], through_air[3]
-        aside = GRAVITY / np.cos(control.bank) ** 2 / np.maximum(np.hypot(north_rate, east_rate), SLOWEST)
+        aside = GRAVITY / np.cos(control.bank) ** 2 / speed
         effect = dt * np.stack([-east_rate * aside, north_rate * aside])[:, None] * gradient  # on the velocity
         F[1::2] += effect
         effect *= 0.5 * dt  # on the position
         F[0::2] += effect
         return moved + self._drift(mean, dt), F
+
+    def _at_charted_speed(self, place: Array, mean: Array, dt: float) -> tuple[Array, Array, Array]:
+        """State in the air when the speed has come nearer to the charted one for dt, that speed, and the transition."""
+        moved = mean - self._drift(mean, 0.0)
+        speed = np.maximum(np.hypot(moved[1], moved[3]), SLOWEST)
+        if not self.route.chart:
+            return moved, speed, np.eye(4)
+        kept = math.exp(-dt / SPEED_TIME)
+        charted = self.route.charted_speed(place, self.deviation(place, mean).distance_to_go)
+        reached = charted + kept * (speed - charted)
+        course, ratio = moved[1::2] / speed, reached / speed
+        moved[1::2] *= ratio
+        transition = np.zeros((4, 4, *ratio.shape))
+        transition[0, 0] = transition[2, 2] = 1.0
+        transition[1::2, 1::2] = (kept - ratio) * course[:, None] * course
+        transition[1, 1] += ratio
+        transition[3, 3] += ratio
+        return moved, reached, transition
 
     def _drift(self, mean: Array, dt: float) -> Array:
         """What the air adds to the state over dt."""
