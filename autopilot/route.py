@@ -119,7 +119,7 @@ class Route:
     legs: tuple[Leg, ...]
     wind: tuple[float, float] = (0.0, 0.0)  # m/s, the way the air moves, (north, east)
     time_to_roll: float = 2.8  # s, by which the turn lags behind its plan; see Designed.time_to_roll
-    chart: tuple[tuple[int, float, float], ...] = ()  # leg, m to its end from which on, and the m/s that a chart shows
+    chart: tuple[tuple[int, float, float], ...] | None = None  # see charted_speed; None = it shows no speeds
     _lines: tuple[tuple[float, ...], ...] = field(init=False, repr=False, compare=False)  # end, direction, course
     _table: Any = field(init=False, repr=False, compare=False)  # the same (5, legs)
     _near: dict[tuple[float, float], Any] = field(init=False, repr=False, compare=False)  # see _near_turns
@@ -217,10 +217,10 @@ class Route:
     def charted_speed(self, leg: Any, distance_to_go: Any) -> Any:
         """Airspeed, m/s, that the chart shows so far (m) before the end of each run's leg (an int array).
 
-        NaN where it shows none.
+        That of the leg, or another one from a point of it on: ``chart`` has the leg, the point as m to go, and the m/s.
         """
-        speed = np.full(np.shape(distance_to_go), np.nan)
-        for number, begins, shown in self.chart:
+        speed = np.array([one.speed for one in self.legs])[leg]
+        for number, begins, shown in self.chart or ():
             speed = np.where((leg == number) & (distance_to_go <= begins), shown, speed)
         return speed
 

@@ -216,9 +216,9 @@ class Legs:
 
         Along it only the beacon law changes, by the ratio of cross-track to distance less.
         """
-        through_air, speed, slowed = self._at_charted_speed(place, mean, dt)
+        through_air, speed, slope = self._at_charted_speed(place, mean, dt)
         moved, F = course_kinematics(through_air, control.bank, dt)
-        F = np.einsum("ij...,jk...->ik...", F, lift(slowed, 2, F.ndim - 2))
+        F[:, 1::2] = np.einsum("ij...,jk...->ik...", F[:, 1::2], slope)
         normal = lift(self.normal(place), 1, mean.ndim - 1)
         gradient = np.empty(np.broadcast_shapes(mean.shape, (4, *control.per_cross_track.shape)))  # d bank / d state
         gradient[0::2] = normal * control.per_cross_track
@@ -233,22 +233,23 @@ class Legs:
         return moved + self._drift(mean, dt), F
 
     def _at_charted_speed(self, place: Array, mean: Array, dt: float) -> tuple[Array, Array, Array]:
-        """State in the air when the speed has come nearer to the charted one for dt, that speed, and the transition."""
+        """State in the air when its speed has come nearer to the charted one for dt, and that speed.
+
+        Third is the change of that velocity by the one before (2, 2, *B).
+        """
         moved = mean - self._drift(mean, 0.0)
         speed = np.maximum(np.hypot(moved[1], moved[3]), SLOWEST)
-        if not self.route.chart:
-            return moved, speed, np.eye(4)
+        if self.route.chart is None:
+            return moved, speed, lift(np.eye(2), 2, speed.ndim)
         kept = math.exp(-dt / SPEED_TIME)
         charted = self.route.charted_speed(place, self.deviation(place, mean).distance_to_go)
         reached = charted + kept * (speed - charted)
         course, ratio = moved[1::2] / speed, reached / speed
         moved[1::2] *= ratio
-        transition = np.zeros((4, 4, *ratio.shape))
-        transition[0, 0] = transition[2, 2] = 1.0
-        transition[1::2, 1::2] = (kept - ratio) * course[:, None] * course
-        transition[1, 1] += ratio
-        transition[3, 3] += ratio
-        return moved, reached, transition
+        slope = (kept - ratio) * course[:, None] * course  # along the velocity what is kept of it, across it the ratio
+        slope[0, 0] += ratio
+        slope[1, 1] += ratio
+        return moved, reached, slope
 
     def _drift(self, mean: Array, dt: float) -> Array:
         """What the air adds to the state over dt."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import typing
 from collections.abc import Iterable
 from typing import Annotated, Any
@@ -195,10 +194,10 @@ def assumed_law(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
 def charted_route(prepared: Prepared) -> Any:
     """The route with the speeds that its chart shows: of each leg, and of the glide path where the last leg has one."""
     route, landing = prepared.route, prepared.autopilot.landing
-    speeds = [(number, math.inf, leg.speed) for number, leg in enumerate(route.legs)]
-    if landing is not None:  # it begins where it leaves the height of the leg
-        speeds.append((len(route.legs) - 1, route.legs[-1].height / landing.slope, landing.approach_speed))
-    return dataclasses.replace(route, chart=tuple(speeds))
+    last = len(route.legs) - 1
+    # the glide path begins where it leaves the height of the leg
+    glide = () if landing is None else ((last, route.legs[last].height / landing.slope, landing.approach_speed),)
+    return dataclasses.replace(route, chart=glide)
 
 
 def chart_height(prepared: Prepared) -> float:

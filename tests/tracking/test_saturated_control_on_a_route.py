@@ -32,7 +32,7 @@ from tests.tracking.law_truth import (
 )
 from tracking.gaussian import Gaussian
 from tracking.motion import ConstantVelocity
-from tracking.reference_path import PathState
+from tracking.reference_path import PathState, steering
 from tracking.track import track
 from tracking.trackers.kalman import Kalman
 from tracking.trackers.linear_feedback import LinearFeedback
@@ -82,6 +82,40 @@ def test_its_turn_begins_where_the_circle_does():
     for seconds, place in ((-1.0, 0), (1.0, 1)):  # from the beginning of the circle
         start = (-13500.0, 0.0, -radius + PATTERN_SPEED * (seconds - 0.5), PATTERN_SPEED)
         assert ahead(tracker, start, 0, 0.5).place == [place]
+
+
+def test_it_comes_to_the_speed_that_the_chart_shows():
+    """Through the air, exponentially in 20 s, along every leg and from a point of it on; without a chart it stays."""
+    windy = replace(BASE_TO_FINAL, wind=(-6.0, 0.0), chart=((1, 8000.0, 58.0),))
+    for to_go, charted in ((12000.0, PATTERN_SPEED), (7000.0, 58.0)):
+        start = (300.0 - to_go, 64.0 - 6.0, 0.0, 0.0)  # m/s: 64 through the air
+        for seconds in (10.0, 30.0):
+            north_rate = ahead(saturated(route=windy), start, 1, seconds).gaussian.mean[1, 0]
+            expected = charted + (64.0 - charted) * math.exp(-seconds / 20.0)
+            assert north_rate + 6.0 == pytest.approx(expected, rel=1e-9)
+        untold = ahead(saturated(route=replace(windy, chart=None)), start, 1, 30.0)
+        assert untold.gaussian.mean[1, 0] == pytest.approx(64.0 - 6.0, rel=1e-12)
+
+
+def test_the_slopes_of_law_and_speed_are_those_of_the_mean():
+    """Against central differences of the mean, in wind, in a turn and on final; to first order in the step."""
+    route = replace(BASE_TO_FINAL, wind=(4.0, -7.0), chart=((1, 8000.0, 58.0),))
+    path, dt = saturated(route=route).path, 0.02
+    # F lets the slope of the law, g k2 dt, act across the velocity before the turn, which is by g tan(bank) dt / V
+    second = 9.80665 * PATTERN_LAW.k2 * dt * 9.80665 * math.tan(math.radians(15.0)) / 58.0 * dt
+    for start, place in (((-13000.0, 30.0, -900.0, 55.0), 1), ((-6000.0, 61.0, 25.0, -8.0), 1)):
+        mean = np.array(start)[:, None]
+        where = np.array([place])
+
+        def moved(x, where=where):
+            return path.steered(where, x, PATTERN_LAW(path.deviation(where, x)), dt)
+
+        step = 1e-4 * np.eye(4)[:, :, None]
+        slopes = [(moved(mean + each) - moved(mean - each))[:, 0] / 2e-4 for each in step]
+        control = steering(PATTERN_LAW, path, where, mean)
+        ours, F = path.steered_with_slope(where, mean, control, dt)
+        np.testing.assert_allclose(ours, moved(mean), rtol=1e-12)
+        np.testing.assert_allclose(F[:, :, 0], np.stack(slopes, axis=1), rtol=0, atol=second)
 
 
 def test_one_leg_is_the_line_of_the_paper():
