@@ -37,9 +37,10 @@ class SaturatedControl:
 
     On a line U is ``g bank`` across it. On a route the state has two axes, F, Q and the gain of (9) hold on both, and U
     is a vector: ``g tan(bank)`` at right angles to the estimated velocity through the air, whose motion over the ground
-    the route tells, with the deviations from the leg that the estimate is on. So the control turns the velocity and
-    leaves the speed to the chart, to which it comes as the autopilot's does. An acceleration across the new leg alone would not: at a course error of 90 deg, where
-    (6) is void, it stops the motion along the old leg instead of turning it. For small course errors both are (6).
+    the route tells, with the deviations from the leg that the estimate is on. So the control turns the velocity. An
+    acceleration across the new leg alone would not: at a course error of 90 deg, where (6) is void, it stops the motion
+    along the old leg instead of turning it. For small course errors both are (6). The autopilot holds a speed as well:
+    where the route has a chart with speeds, the estimated one comes to it.
 
     ``covariance`` says what the control is to the filter. ``paper``: an input, which it truly is where the aircraft is
     flown on this very estimate; where the aircraft takes it from its own state, that is pessimistic inside the limits
