@@ -153,7 +153,7 @@ class Line:
         return np.ones(1)
 
     def steered(self, place: Array, mean: Array, bank: Array, dt: float) -> Array:
-        """By (6), an acceleration across the line: g times the bank."""
+        """An acceleration across the line, g times the bank [Vasylyev 2003, eq. (6)]."""
         return push(mean, GRAVITY * bank, dt)
 
     def steered_with_slope(self, place: Array, mean: Array, control: Steering, dt: float) -> tuple[Array, Array]:
@@ -205,7 +205,8 @@ class Legs:
     def steered(self, place: Array, mean: Array, bank: Array, dt: float) -> Array:
         """A level turn of the velocity through the air, g tan(bank) at right angles to it, at the charted speed.
 
-        The speed is a control like the bank: it comes to the charted one as the autopilot's does.
+        For small course errors this is [Vasylyev 2003, eq. (6)]. The speed is a control like the bank: it comes to the
+        charted one as the autopilot's does.
         """
         through_air, speed = self._at_charted_speed(place, mean, dt)[:2]
         turn = turn_transition(dt, turn_rate_of(bank, speed))
