@@ -156,8 +156,10 @@ def _model(catalogue: Catalogue, family: str, kind: Any, place: str, faults: lis
     try:
         return MODELS[family](catalogue.load(family, kind), kind)
     except KeyError:
+        retired = bundled.RETIRED.get((family, str(kind)))
         hint = did_you_mean(str(kind), catalogue.kinds(family))
-        faults.append(f"[{place}] kind: no kind '{kind}'; {hint}{'' if 'mean' in hint else FROM_OUTSIDE}")
+        hint = f"write {retired}" if retired else hint if "mean" in hint else hint + FROM_OUTSIDE
+        faults.append(f"[{place}] kind: no kind '{kind}'; {hint}")
     except ScenarioError as error:
         faults.append(f"[{place}] {error}")
     return Any

@@ -238,7 +238,7 @@ def test_a_radar_on_the_route_is_flown_over(radar):
 
 def test_no_measurement_at_all_is_no_figure_and_no_error():
     blind = {"blind": {"kind": "precision_radar", "coverage_m": 10}}
-    result = sim.run({**LINE, "sensors": blind, "trackers": {"t": {"kind": "route_control"}}})
+    result = sim.run({**LINE, "sensors": blind, "trackers": {"t": {"kind": "saturated_control"}}})
     assert result.metrics["trackers"]["t"]["overall"] == {}
     said = [
         "sensor 'blind' never saw the aircraft",
@@ -253,7 +253,7 @@ def test_no_measurement_at_all_is_no_figure_and_no_error():
 
 def test_a_navigating_tracker_that_sees_nothing_flies_on_its_prior():
     blind = {"blind": {"kind": "precision_radar", "coverage_m": 10}}
-    tables = {**LINE, "draws": 1, "sensors": blind, "trackers": {"t": {"kind": "route_control"}}}
+    tables = {**LINE, "draws": 1, "sensors": blind, "trackers": {"t": {"kind": "saturated_control"}}}
     result = sim.run({**tables, "autopilot": {"navigation": "t"}})
     assert result.metrics["flight"]["outcome"] == "completed"
     start = _straight(AircraftState(*(float(column[0]) for column in result.flight.state)), result.flight.route)

@@ -226,6 +226,7 @@ def test_sources_come_from_the_docstrings_of_what_ran():
 
 def summary(rmse, **more):
     figure = {"rmse": rmse, "low": rmse - 1, "high": rmse + 1, "raw": 100.0, "gain": 100.0 / rmse}
+    figure |= {"gain_low": 99.0 / rmse, "gain_high": 101.0 / rmse}
     return {"kind": "kalman", "law_from": None, "overall": {"position_m": figure}, "by_phase": {}} | more
 
 
@@ -235,9 +236,9 @@ def test_trackers_stand_side_by_side_with_interval_gain_and_phases():
         {"one": summary(80.0, by_phase=phase, anees=1.02, lost_fraction=0.0123, lost_time_s=14.3), "two": summary(8.0)}
     )
     position, consistency = tables
-    assert position.header == ["tracker", "law from", "RMSE", "interval", "raw", "gain", "final"]
-    assert position.rows[0] == ["one", "–", "80.00", "79.00 … 81.00", "100.0", "1.25 ×", "145.1"]
-    assert position.rows[1] == ["two", "–", "8.00", "7.00 … 9.00", "100.0", "12.50 ×", "–"]
+    assert position.header == ["tracker", "law from", "RMSE", "interval", "raw", "gain", "of the gain", "final"]
+    assert position.rows[0] == ["one", "–", "80.00", "79.00 … 81.00", "100.0", "1.25 ×", "1.24 … 1.26", "145.1"]
+    assert position.rows[1] == ["two", "–", "8.00", "7.00 … 9.00", "100.0", "12.50 ×", "12.38 … 12.62", "–"]
     assert consistency.rows[0] == ["one", "kalman", "1.02", "–", "–", "1.2", "14"]
     assert consistency.rows[1][2:] == ["–"] * 5
 
