@@ -5,12 +5,14 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from aircraft.airframe import Wind
 from aircraft.data import AircraftData
 from aircraft.errors import ModelError
+from aircraft.model_files import digest, read
 from aircraft.runway import Runway as Place
 from aircraft.slowest import complete
 from autopilot.approach import PHASES, Approach
@@ -24,6 +26,7 @@ from autopilot.route import Leg, Route, pattern_route
 from autopilot.stabilised_gate import StabilisedGate
 from sim.errors import did_you_mean
 from sim.flight import departures
+from sim.flight.gains import Gains, gains_for, plain
 from sim.flight.outcomes import Limits
 from sim.flight.vehicles import (
     AirframeChoice,
@@ -61,8 +64,13 @@ class Prepared:
     vehicle: Any
     initial: Initial
     limits: Limits
-    designed: Designed
+    gains: Gains
     warnings: tuple[str, ...]
+
+    @property
+    def designed(self) -> Designed:
+        """The gains that fly."""
+        return self.gains.designed
 
     @property
     def controller(self) -> Approach | Departing:
@@ -158,8 +166,8 @@ def _prepared(scenario: Scenario) -> Prepared:
     with place("[route]"):
         route = _route(scenario, landing)
     with place("[aircraft]"):
-        gains = _designed(scenario, route, flaps, landing, aircraft)
-        gains = softened(gains, max(leg.speed for leg in route.legs), scenario.autopilot.estimate_lag)
+        found = _gains(scenario, route, flaps, landing)
+        gains = found.designed
         turn_speed = min(leg.speed for leg in route.legs)
         lead = gains.time_to_roll(turn_speed, scenario.autopilot.roll_rate_limit)
         route = dataclasses.replace(route, time_to_roll=lead)
@@ -185,7 +193,8 @@ def _prepared(scenario: Scenario) -> Prepared:
         vehicle.read(vehicle.begin(initial, air(scenario.wind, scenario.runway)))  # it trims, or says why not
     with place("[[departures]]"):
         limits = Limits(scenario.until, scenario.runway)
-        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, _warnings(scenario, aircraft))
+        told = (*found.remarks, *_warnings(scenario, aircraft))
+        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, found, told)
         _ = prepared.controller  # it can be left like that, or says why not
     return prepared
 
@@ -271,31 +280,33 @@ def _route(scenario: Scenario, landing: Landing | None) -> Route:
     return Route(tuple(Leg(leg.from_, leg.to, leg.speed, leg.height) for leg in table.legs), wind)
 
 
-def _designed(
-    scenario: Scenario, route: Route, flaps: float, landing: Landing | None, aircraft: AircraftData
-) -> Designed:
-    """The gains: those that travel in the scenario, or a design on the linear model."""
-    if scenario.designed is not None:
-        try:
-            return Designed.from_table(scenario.designed)
-        except KeyError as error:
-            raise ValueError(f"[designed] lacks {error}; take the table out to design anew") from None
-        except (TypeError, ValueError, AttributeError, IndexError):
-            raise ValueError("[designed] cannot be used; take the table out to design anew") from None
+def _gains(scenario: Scenario, route: Route, flaps: float, landing: Landing | None) -> Gains:
+    """The gains: those that travel in the scenario, or a design on the linear model.
+
+    The inputs are the very arguments of the design, the model by its content: whatever else a design comes to depend on
+    becomes an argument of it, and is then noticed when it changes.
+    """
     slowest, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
-    bank_limit = scenario.autopilot.bank_limit
-    if scenario.aircraft.model == "point_mass":
-        return designed_point_mass(fastest, bank_limit)
-    if landing is None:
-        wanted = [Configuration(flaps, 0.0, 0.96 * slowest, 1.04 * fastest)]
-    else:
-        final = landing.approach_speed
-        wanted = [
-            Configuration(flaps, 0.0, 1.03 * final, 1.02 * fastest),
-            Configuration(landing.flaps, 1.0, 0.97 * final, 1.02 * slowest),
-        ]
-    highest = max(leg.height for leg in route.legs)
-    return designed(_airframe(scenario), wanted, speed=fastest, bank_limit=bank_limit, height=highest)
+    arguments: dict[str, Any] = {"speed": fastest, "bank_limit": scenario.autopilot.bank_limit}
+    design: Callable[..., Designed] = designed_point_mass
+    aircraft = {"model": "point_mass"}
+    if scenario.aircraft.model != "point_mass":
+        design = designed
+        if landing is None:
+            wanted = [Configuration(flaps, 0.0, 0.96 * slowest, 1.04 * fastest)]
+        else:
+            final = landing.approach_speed
+            wanted = [
+                Configuration(flaps, 0.0, 1.03 * final, 1.02 * fastest),
+                Configuration(landing.flaps, 1.0, 0.97 * final, 1.02 * slowest),
+            ]
+        arguments |= {"configurations": wanted, "height": max(leg.height for leg in route.legs)}
+        choice = _airframe(scenario)._replace(runway=Place(elevation=scenario.runway.elevation))  # all of it that acts
+        arguments["choice"] = choice
+        aircraft = plain(choice) | {"model": digest(read(choice.model))}
+    lag = scenario.autopilot.estimate_lag
+    inputs = plain(arguments) | {"estimate_lag": lag, "choice": aircraft}
+    return gains_for(scenario.designed, inputs, lambda: softened(design(**arguments), fastest, lag))
 
 
 def _case(scenario: Scenario, gains: Designed, route: Route) -> DesignCase:
