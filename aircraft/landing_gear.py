@@ -1,7 +1,8 @@
-"""The main wheels of a model, read from its ground contacts."""
+"""The main wheels of a model and the reach of all that can touch, read from its ground contacts."""
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from aircraft.loading import centre_of_gravity, place
@@ -43,3 +44,11 @@ def height_of_wheels(model: Model) -> float:
     """Centre of gravity above the lowest main wheel, m; 0 without any."""
     wheels = main_wheels(model)
     return centre_of_gravity(model)[1] - min(wheel.z for wheel in wheels) if wheels else 0.0
+
+
+def reach(model: Model) -> float:
+    """How far, m, any contact is from the centre of gravity: higher up nothing can touch, whatever the attitude."""
+    aft, up = centre_of_gravity(model)
+    locations = [contact.find("location") for contact in model.root.findall("ground_reactions/contact")]
+    places = [place(location) for location in locations if location is not None]
+    return max((math.dist((x, y, z), (aft, 0.0, up)) for x, y, z in places), default=0.0)

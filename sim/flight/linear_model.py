@@ -26,4 +26,4 @@ def scenario_loop(prepared: Prepared) -> RouteLoop:
     point = operating_point(airframe, leg.speed, leg.height, prepared.autopilot.flaps, prepared.autopilot.gear)
     model = model_files.read(prepared.airframe.model)
     actuators = actuator_bandwidth(model, "aileron"), actuator_bandwidth(model, "rudder")
-    return route_loop(point, prepared.designed, actuators)
+    return route_loop(point, prepared.designed, actuators, airframe.rate)

@@ -65,6 +65,7 @@ class Prepared:
     initial: Initial
     limits: Limits
     gains: Gains
+    rate: float  # Hz, of the equations of motion
     warnings: tuple[str, ...]
 
     @property
@@ -84,8 +85,8 @@ class Prepared:
 
     @property
     def airframe(self) -> AirframeChoice:
-        """The aircraft model, its loading and its runway."""
-        return _airframe(self.scenario)
+        """The aircraft model, its loading, its runway and its rate."""
+        return _airframe(self.scenario, self.rate)
 
     @property
     def route(self) -> Route:
@@ -150,7 +151,7 @@ class Prepared:
         """The air of one flight: turbulence has its own stream."""
         scenario = self.scenario
         noise = Streams(scenario.seed, flight, 1, "wind").generator("turbulence")
-        return air(scenario.wind, scenario.runway, noise)
+        return air(scenario.wind, scenario.runway, noise, self.rate)
 
 
 def prepare(scenario: Scenario) -> Prepared:
@@ -194,7 +195,7 @@ def _prepared(scenario: Scenario) -> Prepared:
     with place("[[departures]]"):
         limits = Limits(scenario.until, scenario.runway)
         told = (*found.remarks, *_warnings(scenario, aircraft))
-        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, found, told)
+        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, found, aircraft.rate, told)
         _ = prepared.controller  # it can be left like that, or says why not
     return prepared
 
@@ -361,7 +362,7 @@ def _initial(scenario: Scenario, route: Route, flaps: float, landing: Landing | 
     )
 
 
-def _airframe(scenario: Scenario) -> AirframeChoice:
+def _airframe(scenario: Scenario, rate: float | None = None) -> AirframeChoice:
     choice, runway = scenario.aircraft, scenario.runway
     return AirframeChoice(
         choice.model,
@@ -369,6 +370,7 @@ def _airframe(scenario: Scenario) -> AirframeChoice:
         choice.centre_of_gravity_mac,
         choice.factors,
         Place(runway.latitude, runway.longitude, runway.elevation, runway.heading),
+        rate,
     )
 
 

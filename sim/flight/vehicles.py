@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-from aircraft.airframe import RATE, Airframe, Wind, load
+from aircraft.airframe import Airframe, Wind, load
 from aircraft.errors import TrimError
 from aircraft.linearise import linearise
 from aircraft.point_mass import PointMass, PointMassState
@@ -46,6 +46,7 @@ class AirframeChoice(NamedTuple):
     centre_of_gravity_mac: float | None = None  # share of the mean aerodynamic chord; None = as the model says
     factors: Mapping[str, float] | None = None  # of groups of coefficients, by the names that the aircraft declares
     runway: Runway | None = None
+    rate: float | None = None  # Hz, of the equations of motion; None = as its data say
 
     def load(self) -> Airframe:
         """A fresh aircraft; raises ``ModelError`` for anything that cannot be loaded."""
@@ -110,7 +111,7 @@ class JsbsimVehicle:
         """Fly ``dt`` seconds, a multiple of the step of the equations of motion."""
         airframe = state.airframe
         state.loops, controls = state.inner_loops.step(state.loops, command, state.state, dt)
-        airframe.step(controls, round(dt * RATE), state.wind)
+        airframe.step(controls, round(dt * airframe.rate), state.wind)
         state.state = airframe.read()
         return state
 
