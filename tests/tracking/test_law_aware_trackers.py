@@ -45,7 +45,7 @@ def on_line(law):
 def on_route(law):
     found = {f"{kind.__name__} on a route": kind(law, BASE_TO_FINAL, PLANE, sub_step=0.5) for kind in TWO_STATE}
     for form in ("known_control", "jacobian"):
-        found[f"RouteControl {form}"] = RouteControl(law, BASE_TO_FINAL, PLANE, form)
+        found[f"RouteControl {form}"] = RouteControl(law, BASE_TO_FINAL, PLANE, form, sub_step=0.5)
     return found
 
 

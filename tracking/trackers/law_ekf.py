@@ -10,6 +10,7 @@ from tracking.gaussian import Gaussian, Innovation, predict
 from tracking.measurement import MeasurementModel
 from tracking.motion import GRAVITY, constant_velocity
 from tracking.reference_path import (
+    SUB_STEP,
     Law,
     PathState,
     ReferencePath,
@@ -40,7 +41,7 @@ class LawEkf:
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
     acceleration_density: Annotated[float, "m2/s3"] = 0.1
-    sub_step: Annotated[float, "s"] = 0.5
+    sub_step: Annotated[float, "s"] = SUB_STEP
 
     def __post_init__(self) -> None:
         check_tuning(self.acceleration_density, self.sub_step)

@@ -12,6 +12,7 @@ from tracking.gaussian import Gaussian, Innovation, lift, predict
 from tracking.measurement import MeasurementModel
 from tracking.motion import CARTESIAN, GRAVITY, course_kinematics
 from tracking.reference_path import (
+    SUB_STEP,
     Law,
     Legs,
     PathState,
@@ -42,7 +43,7 @@ class RouteControl:
     measurement: Annotated[MeasurementModel, "given"]
     covariance: Literal["known_control", "jacobian"] = "known_control"
     acceleration_density: Annotated[float, "m2/s3"] = 0.1
-    sub_step: Annotated[float, "s"] = 0.5
+    sub_step: Annotated[float, "s"] = SUB_STEP
 
     channels = CARTESIAN
 
