@@ -13,8 +13,10 @@ from aircraft.landing_gear import height_of_wheels, touchdown_pitch, wheel_track
 from aircraft.loading import total_mass
 from aircraft.model_files import Model, folder, is_file, read
 from aircraft.safe_xml import confined
+from aircraft.stock import stock_row
 from aircraft.units import spellings
 
+RATES = (60.0, 120.0, 240.0)  # Hz; whole steps in those of the autopilot
 LARGEST_TABLE = 1_000_000  # bytes; the data of an aircraft are a page of text
 
 
@@ -51,6 +53,7 @@ class AircraftData:
     sink_limit: Annotated[float, "m/s"] = 3.05
     tailwind_limit: Annotated[float, "m/s"] = math.inf
     crosswind_limit: Annotated[float, "m/s"] = math.inf
+    rate: Annotated[float, "Hz"] = 120.0  # of the equations of motion, by a convergence test
     flap_settings: tuple[FlapSetting, ...] = ()
     factors: tuple[str, ...] = ()
     sources: tuple[tuple[str, str], ...] = ()  # (value, where it is from)
@@ -58,6 +61,8 @@ class AircraftData:
     def __post_init__(self) -> None:
         if self.flap_settings and not self.reference_mass > 0.0:
             raise ModelError(f"the data of '{self.title}' need a reference_mass above 0 for their stall speeds")
+        if self.rate not in RATES:
+            raise ModelError(f"the data of '{self.title}' need a rate of 60, 120 or 240 Hz, not {self.rate:g}")
         for name in ("mass", "centre_of_gravity"):
             if not getattr(self, f"{name}_min") <= getattr(self, f"{name}_max"):
                 raise ModelError(f"the data of '{self.title}' have {name}_min above {name}_max")
@@ -92,7 +97,7 @@ def describe(source: Model, model: str | Path) -> AircraftData:
         "highest_touchdown_pitch": highest,
     }
     if not is_file(path):
-        return AircraftData(**from_model)
+        return AircraftData(**from_model, rate=stock_row(model).get("rate_hz", AircraftData.rate))
     try:
         table = tomllib.loads(confined(path, home, LARGEST_TABLE).decode())
         settings = tuple(_build(FlapSetting, entry, path) for entry in table.pop("flap_settings", []))

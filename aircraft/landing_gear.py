@@ -1,4 +1,4 @@
-"""What of a model can touch the ground, read from its ground contacts: the main wheels and all other parts."""
+"""What of a model can touch the ground, read from its ground contacts: the parts, and how far they reach."""
 
 from __future__ import annotations
 
@@ -112,3 +112,11 @@ def height_of_wheels(model: Model) -> float:
     """Centre of gravity above the lowest main wheel, m; 0 without any."""
     wheels = main_wheels(model)
     return centre_of_gravity(model)[1] - min(wheel.z for wheel in wheels) if wheels else 0.0
+
+
+def reach(model: Model) -> float:
+    """How far, m, any contact is from the centre of gravity: higher up nothing can touch, whatever the attitude."""
+    aft, up = centre_of_gravity(model)
+    locations = [contact.find("location") for contact in model.root.findall("ground_reactions/contact")]
+    places = [place(location) for location in locations if location is not None]
+    return max((math.dist((x, y, z), (aft, 0.0, up)) for x, y, z in places), default=0.0)

@@ -21,7 +21,7 @@ from autopilot.inner_loops import InnerLoops
 from autopilot.modes.lateral_navigation import LateralNavigation
 
 STEP = 1.0 / 30.0  # s, of the autopilot above 60 m
-DELAY = 1.5 / 120.0  # s: a control acts one step of the simulation late on the rates, half a step later on the angles
+DELAY = 1.5  # steps of the simulation: a control acts one step late on the rates, half a step later on the angles
 AT_ONCE = 1000.0  # rad/s; stands for an actuator without lag
 SLOWEST, QUICKEST = 0.01, 20.0  # of the bandwidth of the bank loop: natural frequencies of laws that are looked at
 CROSSINGS = 4000  # frequencies between which margins are looked for
@@ -43,7 +43,7 @@ class RouteLoop(NamedTuple):
     bandwidth: float  # rad/s, of the bank loop
 
 
-def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float, float]) -> RouteLoop:
+def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float, float], rate: float) -> RouteLoop:
     """The loop that a design closes around an aircraft in level flight, opened at the bank command.
 
     Parameters
@@ -51,17 +51,18 @@ def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float
     point : where the leg is flown
     designed : its gains, as the inner loops look them up there
     actuators : rad/s, bandwidths of aileron and rudder; infinite where there is no lag
+    rate : Hz, of the simulation
     """
     F, G = _airframe(point, actuators)
-    held, moved, late = _sampled(F, G)
+    held, moved, late = _sampled(F, G, DELAY / rate)
     plant = len(F)
     size = plant + 2 + 4  # airframe, controls of the step before, reference and its rate, two sums
     A, B = np.zeros((size, size)), np.zeros(size)
     unit = np.eye(size)
 
     frequency = designed.reference_frequency
-    reference, rate, sums = plant + 2, plant + 3, slice(plant + 4, size)
-    rate_row = unit[rate] * (1.0 - 2.0 * frequency * STEP) - unit[reference] * frequency**2 * STEP
+    reference, turning, sums = plant + 2, plant + 3, slice(plant + 4, size)
+    rate_row = unit[turning] * (1.0 - 2.0 * frequency * STEP) - unit[reference] * frequency**2 * STEP
     rate_command = frequency**2 * STEP
     reference_row, reference_command = unit[reference] + STEP * rate_row, STEP * rate_command
 
@@ -77,7 +78,7 @@ def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float
     B[:plant] = moved @ control_command
     A[plant : plant + 2], B[plant : plant + 2] = control, control_command
     A[reference], B[reference] = reference_row, reference_command
-    A[rate], B[rate] = rate_row, rate_command
+    A[turning], B[turning] = rate_row, rate_command
     A[sums] = unit[sums] - STEP * np.outer(sum_gains, errors[3])
     B[sums] = -STEP * sum_gains * from_command[3]
 
@@ -111,15 +112,15 @@ def _airframe(point: OperatingPoint, actuators: tuple[float, float]) -> tuple[An
     return F, G
 
 
-def _sampled(F: Any, G: Any) -> tuple[Any, Any, Any]:
-    """x+ from x, from the controls set now and from those of the step before, which act until ``DELAY`` is over."""
+def _sampled(F: Any, G: Any, delay: float) -> tuple[Any, Any, Any]:
+    """x+ from x, from the controls set now and from those of the step before, which act until ``delay`` (s) is over."""
 
     def held(time: float) -> tuple[Any, Any]:
         both = expm(np.block([[F, G], [np.zeros((G.shape[1], len(F) + G.shape[1]))]]) * time)
         return both[: len(F), : len(F)], both[: len(F), len(F) :]
 
-    after, moved = held(STEP - DELAY)
-    before, late = held(DELAY)
+    after, moved = held(STEP - delay)
+    before, late = held(delay)
     return after @ before, moved, after @ late
 
 

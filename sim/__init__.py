@@ -41,8 +41,9 @@ Data
     - ``tables`` - the resolved file itself, in its own spelling
 - `Prepared` - all that one flight needs, built once (sim.flight.preparation)
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state
-    - ``limits`` that end a flight; ``designed`` gains; ``warnings``, sentences; ``stall_speed`` m/s
-      equivalent of the landing, or None
+    - ``limits`` that end a flight; ``gains``, their design and what it was made for; ``designed``, the gains
+      that fly; ``rate`` Hz of the equations of motion; ``warnings``, sentences; ``stall_speed`` m/s equivalent of
+      the landing, or None
 - `Flight` - the record of one flight, k instants at 30 Hz (sim.flight.record)
     - ``time`` (k,) s; ``state`` and ``command`` - `AircraftState` and `Command` of arrays (k,)
     - ``route`` that was to be flown; ``leg`` (k,) - index of the active one; ``deviation`` from it, of arrays (k,)

@@ -224,7 +224,7 @@ def report(result: Result, folder: Path) -> None:
 
     with timed(result.timing, "report_s"):
         scenario, first = result.scenario, result.flight
-        resolved = {**scenario.tables, "designed": result.prepared.designed.to_table()}
+        resolved = {**scenario.tables, "designed": result.prepared.gains.to_table()}
         (folder / "scenario.toml").write_text(dumps(resolved))
         write_json(folder / "metrics.json", result.metrics)
         write_npz(folder / "flight.npz", flight_arrays(first))
@@ -237,7 +237,6 @@ def report(result: Result, folder: Path) -> None:
             law=result.prepared.law,
             metrics=result.metrics,
             versions=result.metrics["versions"],
-            timing=result.timing,
             tracked=result.tracks,
             records=result.records,
         )

@@ -31,6 +31,7 @@ Array = Any
 
 SPEED_TIME = 20.0  # s, in which an aircraft comes to the charted speed: 10 m/s at 0.5 m/s2
 SLOWEST = 1.0  # m/s: a target at rest has no course
+SUB_STEP = 1.0  # s, for which the control is held unless told otherwise: RMSE within 2 % of that of 0.25 s
 JUMP = 1e-2  # rad of bank over a millimetre: ten radians per metre are no law's slope
 CROSS_TRACK = ("cross_track", "cross_track_rate")
 

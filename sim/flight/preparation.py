@@ -5,12 +5,14 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from aircraft.airframe import Wind
 from aircraft.data import AircraftData
 from aircraft.errors import ModelError
+from aircraft.model_files import digest, read
 from aircraft.point_mass import PointMass
 from aircraft.properties import FOOT
 from aircraft.runway import Runway as Place
@@ -36,6 +38,7 @@ from sim.flight.airspeeds import (
     level_speeds,
     remarks,
 )
+from sim.flight.gains import Gains, gains_for, plain
 from sim.flight.outcomes import Limits
 from sim.flight.vehicles import (
     AirframeChoice,
@@ -69,7 +72,9 @@ class Prepared:
     vehicle: Any
     initial: Initial
     limits: Limits
-    designed: Designed
+    gains: Gains  # as they travel in the scenario's file
+    designed: Designed  # as they fly: intercepts may be shallower in this wind
+    rate: float  # Hz, of the equations of motion
     warnings: tuple[str, ...]
     stall_speed: float | None = None  # m/s, equivalent, as it lands; None where none is known
 
@@ -85,8 +90,8 @@ class Prepared:
 
     @property
     def airframe(self) -> AirframeChoice:
-        """The aircraft model, its loading and its runway."""
-        return _airframe(self.scenario)
+        """The aircraft model, its loading, its runway and its rate."""
+        return _airframe(self.scenario, self.rate)
 
     @property
     def route(self) -> Route:
@@ -151,7 +156,7 @@ class Prepared:
         """The air of one flight: turbulence has its own stream."""
         scenario = self.scenario
         noise = Streams(scenario.seed, flight, 1, "wind").generator("turbulence")
-        return air(scenario.wind, scenario.runway, noise)
+        return air(scenario.wind, scenario.runway, noise, self.rate)
 
 
 def prepare(scenario: Scenario) -> Prepared:
@@ -167,9 +172,9 @@ def _prepared(scenario: Scenario) -> Prepared:
     with place("[route]"):
         route = _route(scenario, landing)
     with place("[aircraft]"):
-        gains = _designed(scenario, route, flaps, landing, aircraft)
+        found = _gains(scenario, route, flaps, landing)
+        gains = found.designed
         turn_speed, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
-        gains = softened(gains, fastest, scenario.autopilot.estimate_lag)
         if len(route.legs) > 1:
             gains = shallower(gains, fastest, turn_speed - math.hypot(*route.wind))
         lead = gains.time_to_roll(turn_speed, scenario.autopilot.roll_rate_limit)
@@ -207,12 +212,12 @@ def _prepared(scenario: Scenario) -> Prepared:
             swing = swings.cause(_loop(scenario, gains, route.legs[initial.leg], flaps), flown, rate_limit)
     with place("[[departures]]"):
         limits = Limits(scenario.until, scenario.runway, swing=swing, swing_bank=0.5 * law.bank_limit)
-        told = _warnings(scenario, autopilot, aircraft, gains)
+        told = (*found.remarks, *_warnings(scenario, autopilot, aircraft, gains))
         if swing:
             own = f"the law swings by theory: {swing}"
             told += (f"{own}; without its own numbers the design takes {gains.law.frequency:.3f} rad/s",)
         stall = landing_stall_speed(scenario, aircraft, autopilot)
-        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, told, stall)
+        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, found, gains, aircraft.rate, told, stall)
         _ = prepared.controller  # it can be left like that, or says why not
     return prepared
 
@@ -308,38 +313,34 @@ def _route(scenario: Scenario, landing: Landing | None) -> Route:
     return Route(tuple(Leg(leg.from_, leg.to, leg.speed, leg.height) for leg in table.legs), wind)
 
 
-def _designed(
-    scenario: Scenario, route: Route, flaps: float, landing: Landing | None, aircraft: AircraftData
-) -> Designed:
-    """The gains: those that travel in the scenario, or a design on the linear model."""
-    if scenario.designed is not None:
-        try:
-            return Designed.from_table(scenario.designed)
-        except KeyError as error:
-            raise ValueError(f"[designed] lacks {error}; take the table out to design anew") from None
-        except (TypeError, ValueError, AttributeError, IndexError):
-            raise ValueError("[designed] cannot be used; take the table out to design anew") from None
+def _gains(scenario: Scenario, route: Route, flaps: float, landing: Landing | None) -> Gains:
+    """The gains: those that travel in the scenario, or a design on the linear model.
+
+    The inputs are the very arguments of the design, the model by its content: whatever else a design comes to depend on
+    becomes an argument of it, and is then noticed when it changes.
+    """
     slowest, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
-    limits = scenario.autopilot.bank_limit, scenario.autopilot.roll_rate_limit
-    if scenario.aircraft.model == "point_mass":
-        return designed_point_mass(fastest, *limits)
-    if landing is None:
-        wanted = [Configuration(flaps, 0.0, 0.96 * slowest, 1.04 * fastest)]
-    else:
-        final = landing.approach_speed
-        wanted = [
-            Configuration(flaps, 0.0, 1.03 * final, 1.02 * fastest),
-            Configuration(landing.flaps, 1.0, 0.97 * final, 1.02 * slowest, -landing.glide_path),
-        ]
-    highest = max(leg.height for leg in route.legs)
-    return designed(
-        _airframe(scenario),
-        wanted,
-        speed=fastest,
-        bank_limit=limits[0],
-        roll_rate_limit=limits[1],
-        height=highest,
-    )
+    limits = {"bank_limit": scenario.autopilot.bank_limit, "roll_rate_limit": scenario.autopilot.roll_rate_limit}
+    arguments: dict[str, Any] = {"speed": fastest, **limits}
+    design: Callable[..., Designed] = designed_point_mass
+    aircraft = {"model": "point_mass"}
+    if scenario.aircraft.model != "point_mass":
+        design = designed
+        if landing is None:
+            wanted = [Configuration(flaps, 0.0, 0.96 * slowest, 1.04 * fastest)]
+        else:
+            final = landing.approach_speed
+            wanted = [
+                Configuration(flaps, 0.0, 1.03 * final, 1.02 * fastest),
+                Configuration(landing.flaps, 1.0, 0.97 * final, 1.02 * slowest, -landing.glide_path),
+            ]
+        arguments |= {"configurations": wanted, "height": max(leg.height for leg in route.legs)}
+        choice = _airframe(scenario)._replace(runway=Place(elevation=scenario.runway.elevation))  # all of it that acts
+        arguments["choice"] = choice
+        aircraft = plain(choice) | {"model": digest(read(choice.model))}
+    lag = scenario.autopilot.estimate_lag
+    inputs = plain(arguments) | {"estimate_lag": lag, "choice": aircraft}
+    return gains_for(scenario.designed, inputs, lambda: softened(design(**arguments), fastest, lag))
 
 
 def _loop(scenario: Scenario, gains: Designed, leg: Leg, flaps: float) -> RouteLoop:
@@ -401,7 +402,7 @@ def _initial(scenario: Scenario, route: Route, flaps: float, landing: Landing | 
     )
 
 
-def _airframe(scenario: Scenario) -> AirframeChoice:
+def _airframe(scenario: Scenario, rate: float | None = None) -> AirframeChoice:
     choice, runway = scenario.aircraft, scenario.runway
     return AirframeChoice(
         choice.model,
@@ -410,6 +411,7 @@ def _airframe(scenario: Scenario) -> AirframeChoice:
         choice.factors,
         Place(runway.latitude, runway.longitude, runway.elevation, runway.heading),
         scenario.air,
+        rate,
     )
 
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 from aircraft import model_files
 from aircraft.actuators import actuator_bandwidth
 from aircraft.air import Air
-from aircraft.airframe import RATE, Airframe, Wind, load
+from aircraft.airframe import Airframe, Wind, load
 from aircraft.errors import TrimError
 from aircraft.linearise import linearise
 from aircraft.point_mass import PointMass, PointMassState
@@ -52,6 +52,7 @@ class AirframeChoice(NamedTuple):
     factors: Mapping[str, float] | None = None  # of groups of coefficients, by the names that the aircraft declares
     runway: Runway | None = None
     air: Air | None = None  # None = the standard atmosphere
+    rate: float | None = None  # Hz, of the equations of motion; None = as its data say
 
     def load(self) -> Airframe:
         """A fresh aircraft; raises ``ModelError`` for anything that cannot be loaded."""
@@ -121,7 +122,7 @@ class JsbsimVehicle:
         """Fly ``dt`` seconds, a multiple of the step of the equations of motion."""
         airframe = state.airframe
         state.loops, controls = state.inner_loops.step(state.loops, command, state.state, dt)
-        airframe.step(controls, round(dt * RATE), state.wind)
+        airframe.step(controls, round(dt * airframe.rate), state.wind)
         state.state = airframe.read()
         return state
 
@@ -169,7 +170,7 @@ def designed(
         points.append(_level_or_not(airframe, configuration, (configuration.slowest,), height))
         points.append(_level_or_not(airframe, configuration, _fast(configuration), height))
     gains, surfaces = design(points, speed, bank_limit), choice.actuators()
-    loops = [route_loop(point, gains, surfaces) for point in points]
+    loops = [route_loop(point, gains, surfaces, airframe.rate) for point in points]
     turns = loops[:2]  # they are flown in the first configuration
     gains = gains._replace(turning=sum(map(turning, turns)) / len(turns))
     return steadied(gains, loops, speed, roll_rate_limit)
@@ -179,8 +180,9 @@ def leg_loop(
     choice: AirframeChoice, gains: Designed, airspeed: float, height: float, flaps: float, gear: float
 ) -> RouteLoop:
     """The loop that a design closes around an aircraft on a leg at an airspeed (m/s), height (m) and flaps (rad)."""
-    point = operating_point(choice.load(), airspeed, height, flaps, gear)
-    return route_loop(point, gains, choice.actuators())
+    airframe = choice.load()
+    point = operating_point(airframe, airspeed, height, flaps, gear)
+    return route_loop(point, gains, choice.actuators(), airframe.rate)
 
 
 def operating_point(

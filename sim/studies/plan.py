@@ -11,6 +11,7 @@ from typing import Any
 
 from sim.errors import ScenarioError
 from sim.experiment import read
+from sim.flight.gains import INPUTS
 from sim.flight.preparation import prepare
 from sim.scenario.axes import Axis, Listed, cells, samples
 from sim.scenario.model import Scenario
@@ -122,7 +123,8 @@ def _flown_tables(scenario: Scenario) -> dict[str, Any]:
 def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
     """The tables of every cell with its gains, designed once for all cells that share a design.
 
-    A cell that cannot be designed keeps its tables, and its flights say why; raises ``ScenarioError`` where none can.
+    They are frozen: what a sample of the cell draws changes no gain. A cell that cannot be designed keeps its tables,
+    and its flights say why; raises ``ScenarioError`` where none can.
     """
     base = _flown_tables(planned.scenario)
     design = functools.cache(_designed)
@@ -130,7 +132,7 @@ def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
     refused = []
     for values in planned.cells:
         tables = with_values(base, values)
-        if "designed" not in tables:
+        if INPUTS in tables.get("designed", {INPUTS: None}):
             kept = {name: value for name, value in tables.items() if name not in UNDESIGNED}
             quickness = {"autopilot": {k: v for k, v in kept.get("autopilot", {}).items() if k != "frequency_share"}}
             key = json.dumps({**kept, **quickness})  # how quick the law is changes no gain of the inner loops

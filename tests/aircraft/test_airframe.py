@@ -209,7 +209,7 @@ def test_an_airframe_flies_once_and_begins_above_the_ground(steady):
     with pytest.raises(FlightError, match="finite"):
         airframe.begin(start._replace(airspeed=math.nan))
     airframe.begin(start)
-    airframe.step(start.controls)
+    airframe.step(start.controls, 4)
     with pytest.raises(FlightError, match="flies once"):
         airframe.begin(start)
 
@@ -269,3 +269,44 @@ def test_the_order_of_contacts_is_kept_through_a_long_step():
     state = airframe.read()
     assert state.first_contact == NOSE_WHEEL
     assert state.touched == NOSE_WHEEL + MAIN_WHEEL
+
+
+def test_contacts_far_from_the_ground_cost_nothing_and_change_nothing(steady, monkeypatch):
+    """The same bytes in the air, and a belly landing that is felt: the contacts are back before anything can touch."""
+    start = steady("an26", 62.0, flaps_deg=15.0).at(0.0, 0.0, 70.0, 0.3)
+    records = {}
+    for name, reach in (("left_out", None), ("always", math.inf)):
+        airframe = load("an26")
+        if reach is not None:
+            airframe._reach = reach
+        state, record, looked = airframe.begin(start), [], []
+        while state.time < 12.0:
+            airframe.step(start.controls._replace(elevator=-0.1, throttle=0.0), 4)
+            state = airframe.read()
+            record.append(state)
+            looked.append((state.height, airframe._executive["simulation/models/FGGroundReactions/enabled"]))
+        records[name] = record
+    assert looked[0][1] == 1.0  # always
+    assert records["left_out"] == records["always"]
+    assert min(state.height for state in record) < 3.0
+    assert min(state.specific_force_down for state in record) < -1.5  # it hit the ground, on its belly: the gear is up
+
+
+def test_contacts_are_left_out_in_the_air_only(steady):
+    start = steady("an26", 62.0, flaps_deg=15.0).at(0.0, 0.0, 70.0, 0.3)
+    airframe = load("an26")
+    state, looked = airframe.begin(start), []
+    while state.height > 20.0:
+        airframe.step(start.controls._replace(elevator=-0.1, throttle=0.0), 4)
+        state = airframe.read()
+        looked.append((state.height, airframe._executive["simulation/models/FGGroundReactions/enabled"]))
+    assert all(on == 0.0 for height, on in looked if height > 40.0)
+    assert all(on == 1.0 for height, on in looked if height < 25.0)
+
+
+def test_one_long_step_to_the_ground_finds_it(steady):
+    start = steady("an26", 62.0, flaps_deg=15.0).at(0.0, 0.0, 70.0, 0.3)
+    airframe = load("an26")
+    airframe.begin(start)
+    airframe.step(start.controls._replace(elevator=-0.1, throttle=0.0), 1440)
+    assert airframe.read().height > -1.0  # the ground carries it

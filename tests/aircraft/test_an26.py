@@ -9,7 +9,7 @@ import pytest
 
 from aircraft import handbook, model_files
 from aircraft.airframe import load
-from aircraft.data import data
+from aircraft.data import RATES, data
 from aircraft.linearise import linearise
 from aircraft.minimum_speed import minimum_speed
 from aircraft.model_files import ModelError
@@ -324,14 +324,14 @@ def test_data_of_an_unknown_key_or_unit_are_refused(tmp_path):
     assert (mine.reference_mass, mine.height_of_wheels) == pytest.approx((20000.0, 2.45))
 
 
-def positions(controls_change, name, seconds=1.0):
-    """Position of a surface, rad, at 120 Hz after a step of its command from the trim."""
+def positions(controls_change, name, seconds=1.0, rate=120.0):
+    """Position of a surface, rad, at ``rate`` Hz after a step of its command from the trim."""
     airframe = load("an26")
     steady = trim(airframe, 72.0, flaps=math.radians(15.0))
-    airframe = load("an26")
+    airframe = load("an26", rate=rate)
     airframe.begin(steady.initial)
     found = [airframe._executive[f"fcs/{name}-pos-rad"]]
-    for _ in range(round(120 * seconds)):
+    for _ in range(round(rate * seconds)):
         airframe.step(steady.controls._replace(**controls_change), 1)
         found.append(airframe._executive[f"fcs/{name}-pos-rad"])
     return np.array(found)
@@ -352,13 +352,15 @@ def test_surfaces_run_at_their_rate_to_their_stop(name, command, stop):
     assert np.abs(np.diff(angles)).max() * 120.0 == pytest.approx(build.fact("actuator_rate"), rel=0.01)
 
 
-def test_a_small_command_is_followed_with_the_actuators_bandwidth():
-    before = positions({}, "aileron", 0.1)[-1]
-    angles = positions({"aileron": 0.02}, "aileron", 0.5) - before
+@pytest.mark.parametrize("rate", RATES)
+def test_a_small_command_is_followed_with_the_actuators_bandwidth(rate):
+    """At every rate: an actuator that was loaded for another one would be as much too quick or too slow."""
+    before = positions({}, "aileron", 0.1, rate)[-1]
+    angles = positions({"aileron": 0.02}, "aileron", 0.5, rate) - before
     final = 0.02 * build.fact("aileron_travel")
     lag = 1.0 / build.fact("actuator_bandwidth")
-    reached = np.interp(1.0 - math.exp(-1.0), angles / final, np.arange(len(angles)) / 120.0)
-    assert reached == pytest.approx(lag, abs=1.5 / 120.0)  # a discrete lag, one step of delay
+    reached = np.interp(1.0 - math.exp(-1.0), angles / final, np.arange(len(angles)) / rate)
+    assert reached == pytest.approx(lag, abs=1.5 / rate)  # a discrete lag, one step of delay
 
 
 def test_the_ground_lifts_and_takes_induced_drag():

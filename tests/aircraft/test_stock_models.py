@@ -184,7 +184,7 @@ def test_a_trimmed_propeller_aircraft_keeps_its_speed(model, speed):
     state = airframe.begin(steady.initial)
     assert state.time == 0.0
     for _ in range(90):
-        airframe.step(steady.controls)
+        airframe.step(steady.controls, round(airframe.rate / 30))
     after = airframe.read()
     assert after.time == pytest.approx(3.0, abs=0.01)
     assert after.airspeed == pytest.approx(speed, abs=1e-3)  # the residual of 1e-6 m/s2 over 3 s, and its growth

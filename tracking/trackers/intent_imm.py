@@ -11,6 +11,7 @@ import numpy as np
 from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
 from tracking.measurement import MeasurementModel
 from tracking.reference_path import (
+    SUB_STEP,
     Law,
     PathState,
     ReferencePath,
@@ -84,7 +85,7 @@ class IntentImm:
     law_density: Annotated[float, "m2/s3"] = 0.1
     straight_density: Annotated[float, "m2/s3"] = 0.05
     manoeuvre_density: Annotated[float, "m2/s3"] = 3.0
-    sub_step: Annotated[float, "s"] = 0.5
+    sub_step: Annotated[float, "s"] = SUB_STEP
 
     def __post_init__(self) -> None:
         if not self.limit_factors or not all(factor > 0.0 for factor in self.limit_factors):

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from tracking.gaussian import Gaussian, Innovation, predict
 from tracking.measurement import MeasurementModel
 from tracking.reference_path import (
+    SUB_STEP,
     Law,
     PathState,
     ReferencePath,
@@ -55,7 +56,7 @@ class SaturatedControl:
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
     acceleration_density: Annotated[float, "m2/s3"] = 0.1
-    sub_step: Annotated[float, "s"] = 0.5
+    sub_step: Annotated[float, "s"] = SUB_STEP
     covariance: Literal["paper", "jacobian"] = "paper"
 
     def __post_init__(self) -> None:

@@ -126,7 +126,7 @@ def written(tmp_path, flight, given, tracked, trackers, records=None):
     metrics = {"flight": figures, "checks": checks, "seed": 1, "draws": 2, "trackers": trackers}
     path = write(
         tmp_path / "report.html", scenario=given, flight=flight, law=LAW, metrics=metrics,
-        versions={}, timing={}, tracked=tracked, records=records or {},
+        versions={}, tracked=tracked, records=records or {},
     )  # fmt: skip
     return Page(path.read_text(encoding="utf-8"))
 

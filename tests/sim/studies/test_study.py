@@ -10,6 +10,7 @@ from scipy import stats
 
 from sim.errors import OutputError, ScenarioError
 from sim.experiment import run
+from sim.flight.preparation import prepare
 from sim.scenario.axes import Listed, Sampled, axis, cells, samples
 from sim.scenario.reading import read
 from sim.scenario.tables import StudyCheck
@@ -238,6 +239,10 @@ def test_a_sample_flies_with_the_gains_of_its_cell(tmp_path):
     seen = gains(line({bank: [10, 20]}))
     assert seen[0] != seen[1]
     assert len(gains(line({bank: {"uniform": [10, 20]}}, 4))) == 1
+    carried = prepare(read({k: v for k, v in line({bank: [10]}).items() if k != "study"})).gains.to_table()
+    assert gains({**line({bank: [10, 20]}), "designed": carried}) == seen  # a design for 15 deg, carried by a file
+    frozen = {key: value for key, value in carried.items() if key != "inputs"}
+    assert len(set(gains({**line({bank: [10, 20]}), "designed": frozen}))) == 1
 
 
 def test_a_sample_that_cannot_fly_is_one_flight_lost(tmp_path):
