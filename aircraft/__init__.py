@@ -2,7 +2,8 @@
 
 - ``state``: what passes to and from autopilot and sensors; ``units``: suffix -> SI; ``errors``: sentences for users
 - ``model_files``, ``safe_xml``, ``repairs``, ``loading``: from somebody's model to one that can be flown here;
-  ``data``, ``landing_gear``, ``runway``: what is known besides; ``models``: aircraft of our own, made by ``handbook``
+  ``data``, ``stock``, ``landing_gear``, ``runway``: what is known besides; ``models``: aircraft of our own, made by
+  ``handbook``
 - ``executive``, ``properties``, ``power_plant``, ``airframe``: JSBSim for one flight; ``point_mass``: the papers' own
 - ``trim``, ``minimum_speed``, ``slowest``, ``linearise``, ``modes``, ``actuators``: what is computed from an airframe
 - ``air``: density, temperature, pressure; ``wind``, ``wind_shear``, ``turbulence``, ``turbulence_intensity``: motion of
@@ -44,6 +45,6 @@ power lever; flaps in radians; gear 0 up, 1 down.
     model = linearise(airframe, steady)
     state = airframe.begin(steady.at(north=-9000.0, east=0.0, height=400.0, heading=0.0), wind=(0.0, 5.0, 0.0))
     while state.time < 60.0:
-        airframe.step(steady.controls, substeps=4)
+        airframe.step(steady.controls, substeps=4)  # of 1 / airframe.rate s
         state = airframe.read()
 """

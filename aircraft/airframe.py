@@ -7,6 +7,7 @@ stand inside the closed loop.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -19,15 +20,15 @@ from aircraft.air import Air
 from aircraft.data import AircraftData, describe
 from aircraft.errors import FlightError, ModelError
 from aircraft.executive import fresh_executive, sentence
-from aircraft.landing_gear import main_wheels
+from aircraft.landing_gear import Contact, contacts, reach
 from aircraft.power_plant import started
 from aircraft.properties import EARTH_RADIUS, FOOT, getter, node, setter
 from aircraft.runway import Runway
-from aircraft.state import AircraftState, Controls, WheelControls
+from aircraft.state import MAIN_WHEEL, AircraftState, Controls, WheelControls
 from aircraft.wind import SteadyWind
 
-HIGHEST_WHEEL = 30.0  # m; above, no wheel of any aircraft can touch level ground
-RATE = 120  # Hz, of the equations of motion
+FASTEST = 340.0  # m/s; no aircraft of ours comes down faster
+HIGHEST_WHEEL = 30.0  # m; above, no part of any aircraft can touch level ground
 UNTOLD_FLAPS = math.radians(40.0)  # full deflection of a model that gives only its share
 _NEW = tuple.__new__  # an AircraftState from a tuple of its fields at half the time of its own constructor
 
@@ -68,11 +69,13 @@ class Airframe:
         executive: Any,
         aircraft: AircraftData,
         runway: Runway,
-        main_gear: tuple[int, ...],
+        points: tuple[Contact, ...],
+        reach: float,
         has_propellers: bool,
         air: Air | None = None,
     ) -> None:
         self.data = aircraft
+        self.rate = aircraft.rate  # Hz, of the equations of motion
         self.runway = runway
         self.air = air or Air(runway.elevation)
         self.repairs: tuple[str, ...] = ()  # what the model needed to fly here
@@ -85,8 +88,14 @@ class Airframe:
                 setter(manager, wanted)(value / wanted.factor)
         self._accelerations = [getter(manager, wanted) for wanted in properties.ACCELERATIONS]
         self._mass = getter(manager, properties.MASS)
-        self._main_wheels = [node(manager, f"gear/unit[{unit}]/WOW").get_double_value for unit in main_gear]
-        self._main_wheel_count = max(len(main_gear), 1)
+        self._contacts = [(node(manager, point.node).get_double_value, point.part) for point in points]
+        self._main_wheels = [weight for weight, part in self._contacts if part == MAIN_WHEEL]
+        self._main_wheel_count = max(len(self._main_wheels), 1)
+        self._first_contact = self._touched = 0
+        ground = manager.get_node(properties.GROUND_REACTIONS, False)  # JSBSim 1.3.1 cannot leave them out
+        self._reach = math.inf if ground is None else reach
+        self._set_ground = None if ground is None else ground.set_double_value
+        self._ground = True  # whether contacts are looked at
         self._elevation = runway.elevation
         self._initial = [(setter(manager, wanted), wanted.factor) for wanted in properties.INITIAL]
         self._surfaces = [setter(manager, wanted) for wanted in properties.SURFACES]
@@ -165,8 +174,8 @@ class Airframe:
         self._last = None
         return self.read()
 
-    def step(self, controls: Controls, substeps: int = 4, wind: Wind | None = None) -> None:
-        """Fly ``substeps`` steps of 1/120 s with these controls; a changing ``wind`` is asked before every one of them.
+    def step(self, controls: Controls, substeps: int, wind: Wind | None = None) -> None:
+        """Fly ``substeps`` steps of 1/rate s with these controls; a changing ``wind`` is asked before every one.
 
         Within one call the wind sees the position and airspeed of its beginning.
         """
@@ -178,7 +187,13 @@ class Airframe:
     def _fly(self, controls: Controls, substeps: int, wind: Wind | None) -> None:
         self._has_flown = True
         self._command(controls)
-        run = self._run
+        # far from the ground the contacts cost a quarter of a step and give nothing
+        near = not self._seen[3]() * FOOT - self._elevation > self._reach + FASTEST * substeps / self.rate
+        if self._set_ground is not None and near is not self._ground:
+            self._set_ground(float(near))
+            self._ground = near
+        last = self._last
+        run = self._run if last is None or last.height > HIGHEST_WHEEL else self._run_and_feel
         if wind is None:
             for _ in range(substeps):
                 run()
@@ -193,8 +208,18 @@ class Airframe:
         airspeed = self._seen[13]() * FOOT
         blow, velocity = self._blow, wind.velocity
         for substep in range(substeps):
-            blow(*velocity(time + substep / RATE, position, airspeed))
+            blow(*velocity(time + substep / self.rate, position, airspeed))
             run()
+
+    def _run_and_feel(self) -> None:
+        """One step near the ground: two parts that touch it between two records do so in their order."""
+        self._run()
+        touching = 0
+        for weight, part in self._contacts:
+            if weight():
+                touching |= part
+        self._first_contact = self._first_contact or touching
+        self._touched |= touching
 
     def set_wheels(self, wheels: WheelControls) -> None:
         """Brakes and steering from now on."""
@@ -246,6 +271,8 @@ class Airframe:
                 flaps * self._flaps_factor,
                 gear,
                 wheels / self._main_wheel_count,
+                float(self._first_contact),
+                float(self._touched),
             ),
         )
         self._last = state
@@ -302,6 +329,7 @@ def load(
     factors: Mapping[str, float] | None = None,
     runway: Runway | None = None,
     air: Air | None = None,
+    rate: float | None = None,
 ) -> Airframe:
     """A fresh aircraft: ours or a stock one by name, or a user's folder by path.
 
@@ -311,11 +339,14 @@ def load(
     centre_of_gravity_mac : share of the mean aerodynamic chord; needs an aircraft that states its chord.
     factors : scales of groups of coefficients, by the names that the aircraft declares.
     air : over the runway; None = the standard atmosphere.
+    rate : of the equations of motion, Hz; None = that of the aircraft's data.
 
     Raises ``ModelError`` with one sentence for anything that cannot be loaded.
     """
     source = model_files.read(model)
     aircraft = describe(source, model)
+    if rate is not None:
+        aircraft = dataclasses.replace(aircraft, rate=rate)
     if factors:
         loading.apply_factors(source, factors)
     if mass is not None:
@@ -344,11 +375,11 @@ def load(
 def _built(source: model_files.Model, aircraft: AircraftData, runway: Runway, air: Air | None, stock: bool) -> Airframe:
     """The airframe of a model; a stock one is repaired where it waits for another simulator."""
     told = repairs.drive_directly(source) if stock else None
-    wheels = tuple(wheel.number for wheel in main_wheels(source))
+    points, farthest = contacts(source), reach(source)
     while True:
-        executive = fresh_executive(source, RATE)
+        executive = fresh_executive(source, aircraft.rate)
         try:
-            airframe = Airframe(executive, aircraft, runway, wheels, repairs.has_propellers(source), air)
+            airframe = Airframe(executive, aircraft, runway, points, farthest, repairs.has_propellers(source), air)
         except (KeyError, jsbsim.BaseError) as error:
             said = sentence([*map(str, error.args)])
             if not stock or not repairs.define_missing(source, said):

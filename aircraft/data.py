@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_type_hints
 
 from aircraft.errors import ModelError
-from aircraft.landing_gear import height_of_wheels, steering, wheel_track
+from aircraft.landing_gear import height_of_wheels, steering, touchdown_pitch, wheel_track
 from aircraft.loading import total_mass
 from aircraft.model_files import Model, folder, is_file, read
 from aircraft.safe_xml import confined
+from aircraft.stock import stock_row
 from aircraft.units import spellings
 
+RATES = (60.0, 120.0, 240.0)  # Hz; whole steps in those of the autopilot
 LARGEST_TABLE = 1_000_000  # bytes; the data of an aircraft are a page of text
 
 
@@ -45,12 +47,15 @@ class AircraftData:
     centre_of_gravity_max: float = 1.0
     wheel_track: Annotated[float, "m"] = 0.0
     height_of_wheels: Annotated[float, "m"] = 0.0  # centre of gravity above the main wheels, gear down
+    lowest_touchdown_pitch: Annotated[float, "rad"] = -math.pi / 2.0  # at which the nose wheel touches with the mains
+    highest_touchdown_pitch: Annotated[float, "rad"] = math.pi / 2.0  # at which the tail does
     gear_placard_speed: Annotated[float, "m/s"] = math.inf
     sink_limit: Annotated[float, "m/s"] = 3.05
     tailwind_limit: Annotated[float, "m/s"] = math.inf
     crosswind_limit: Annotated[float, "m/s"] = math.inf
     wheelbase: Annotated[float, "m"] = 0.0  # from the main wheels forward to the steered wheel
     steering_limit: Annotated[float, "rad"] = 0.0
+    rate: Annotated[float, "Hz"] = 120.0  # of the equations of motion, by a convergence test
     flap_settings: tuple[FlapSetting, ...] = ()
     factors: tuple[str, ...] = ()
     sources: tuple[tuple[str, str], ...] = ()  # (value, where it is from)
@@ -58,6 +63,8 @@ class AircraftData:
     def __post_init__(self) -> None:
         if self.flap_settings and not self.reference_mass > 0.0:
             raise ModelError(f"the data of '{self.title}' need a reference_mass above 0 for their stall speeds")
+        if self.rate not in RATES:
+            raise ModelError(f"the data of '{self.title}' need a rate of 60, 120 or 240 Hz, not {self.rate:g}")
         for name in ("mass", "centre_of_gravity"):
             if not getattr(self, f"{name}_min") <= getattr(self, f"{name}_max"):
                 raise ModelError(f"the data of '{self.title}' have {name}_min above {name}_max")
@@ -82,15 +89,18 @@ def describe(source: Model, model: str | Path) -> AircraftData:
     """Data of a model that is read already: from its TOML, and from its XML the mass and the main wheels."""
     home = folder(model)
     path = home / f"{source.name}.toml"
+    lowest, highest = touchdown_pitch(source)
     from_model: dict[str, Any] = {
         "title": source.name,
         "reference_mass": total_mass(source),
         "wheel_track": wheel_track(source),
         "height_of_wheels": height_of_wheels(source),
+        "lowest_touchdown_pitch": lowest,
+        "highest_touchdown_pitch": highest,
     }
     from_model |= dict(zip(("wheelbase", "steering_limit"), steering(source), strict=True))
     if not is_file(path):
-        return AircraftData(**from_model)
+        return AircraftData(**from_model, rate=stock_row(model).get("rate_hz", AircraftData.rate))
     try:
         table = tomllib.loads(confined(path, home, LARGEST_TABLE).decode())
         settings = tuple(_build(FlapSetting, entry, path) for entry in table.pop("flap_settings", []))

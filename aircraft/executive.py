@@ -29,6 +29,7 @@ def fresh_executive(source: Model, rate: float) -> Any:
         planet = root / "planet.xml"
         planet.write_text(PLANET)
         executive = jsbsim.FGFDMExec(str(root))
+        executive.set_dt(1.0 / rate)  # before the model: actuators and filters take their step as they are loaded
         try:
             loaded = executive.load_planet(str(planet), False) and executive.load_model(source.name)
         except jsbsim.BaseError as error:
@@ -37,7 +38,6 @@ def fresh_executive(source: Model, rate: float) -> Any:
             raise ModelError(f"JSBSim cannot load '{source.name}': {_without(root, said)}")
     executive.disable_input()
     executive.disable_output()
-    executive.set_dt(1.0 / rate)
     executive.get_propulsion().init_running(-1)
     executive["propulsion/fuel_freeze"] = 1
     return executive

@@ -8,6 +8,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+HARMONICS = 20  # of the load over the span; ten change no derivative by 1e-5
+
 
 def lift_curve_slope(aspect_ratio: float, half_chord_sweep: float, mach: float) -> float:
     """Lift curve slope of a wing, 1/rad [DATCOM 4.1.3.2, Polhamus]."""
@@ -83,11 +87,35 @@ def fuselage_yaw_stiffness(volume: float, depth: float, width: float, area: floa
     return -1.3 * volume / (area * span) * depth / width
 
 
-def aileron_power(
-    slope: float, effectiveness: float, chord: float, inner: float, outer: float, area: float, span: float
-) -> float:
-    """Clda of both ailerons, each deflected by the full angle [strip theory]."""
-    return slope * effectiveness * chord * (outer**2 - inner**2) / (area * span)
+def rolling_load(aspect_ratio: float, taper: float) -> np.ndarray:
+    """(n,) even Fourier coefficients A2, A4, ... of the load of an unswept wing whose twist is y / (b/2), 1/rad.
+
+    Lifting line: the circulation is 2 b V sum A_k sin k theta at y = b/2 cos theta [Glauert 1926, ch. XI], with the
+    section slope of thin aerofoils. Roll damping is -pi/4 aspect_ratio A2.
+    """
+    k = np.arange(2, 2 * HARMONICS + 1, 2)
+    theta = np.arange(1, HARMONICS + 1) * (math.pi / (2 * HARMONICS + 1))
+    spanwise = np.cos(theta)
+    chord = 2.0 / (aspect_ratio * (1.0 + taper)) * (1.0 - (1.0 - taper) * spanwise)  # of the span
+    mu = 0.5 * math.pi * chord
+    induced = np.sin(np.outer(theta, k)) * (np.outer(mu, k) + np.sin(theta)[:, None])
+    return np.asarray(np.linalg.solve(induced, mu * spanwise * np.sin(theta)))
+
+
+def aileron_power(aspect_ratio: float, taper: float, inner: float, outer: float, effectiveness: float) -> float:
+    """Clda of both ailerons, each deflected by the full angle, from ``inner`` to ``outer`` (of the half span).
+
+    By the reverse-flow theorem [Heaslet and Spreiter 1952] the rolling moment of a twist is that twist over the load
+    of the rolling wing, so the moment of ailerons is as good as the load, however their ends lie.
+    """
+    load = rolling_load(aspect_ratio, taper)
+    k = np.arange(2, 2 * len(load) + 1, 2)
+
+    def up_to(spanwise: float) -> np.ndarray:
+        theta = math.acos(spanwise)
+        return np.asarray(np.sin((k - 1) * theta) / (k - 1) - np.sin((k + 1) * theta) / (k + 1))
+
+    return effectiveness * aspect_ratio * float(load @ (up_to(inner) - up_to(outer)))
 
 
 def propeller_thrust(

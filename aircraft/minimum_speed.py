@@ -15,7 +15,7 @@ from aircraft.trim import Trim, trim
 
 HEIGHT = 100.0  # m: clear of the ground effect, density of sea level within 1 %
 SINKING = 0.3  # m/s: from here on the flight is no longer level
-CONTROL = 4  # steps of the equations of motion per step of the controls
+CONTROL = 1.0 / 30.0  # s, of the controls
 
 
 class MinimumSpeed(NamedTuple):
@@ -60,7 +60,7 @@ def minimum_speed(
         controls = trims[0].controls._replace(
             elevator=float(np.clip(elevator - gain @ error, -1.0, 1.0)), throttle=float(throttle)
         )
-        flight.step(controls, CONTROL)
+        flight.step(controls, round(CONTROL * flight.rate))
         state = flight.read()
         if state.airspeed < lowest:
             lowest, alpha = state.airspeed, state.angle_of_attack

@@ -7,6 +7,7 @@ stripped of every input and output, confined to its own folder, bounded in size,
 from __future__ import annotations
 
 import difflib
+import hashlib
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -109,6 +110,14 @@ def read(model: str | Path) -> Model:
         files[place / reference] = parse(path, confines, doctype_allowed=confines == stock_root())
         pending += _references(files[place / reference], name)
     return Model(name, root, files)
+
+
+def digest(model: Model) -> str:
+    """Of all that is written for JSBSim: the model's own XML and every file that it refers to."""
+    found = hashlib.sha256()
+    for path, tree in [(PurePosixPath(), model.root), *sorted(model.files.items(), key=lambda item: str(item[0]))]:
+        found.update(str(path).encode() + ElementTree.tostring(tree))
+    return found.hexdigest()
 
 
 @contextmanager

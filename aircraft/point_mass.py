@@ -12,7 +12,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from aircraft.air import Air
-from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
+from aircraft.state import MAIN_WHEEL, STANDARD_GRAVITY, AircraftState, Command
 
 Real = Any
 
@@ -173,7 +173,7 @@ class PointMass:
             nothing,
             state.flaps,
             state.gear,
-            on_ground,
+            *(on_ground, MAIN_WHEEL * on_ground, MAIN_WHEEL * on_ground),
         )
 
     def _path_angle(self, state: PointMassState, command: Command, pick: Any, limit: Any) -> Real:

@@ -60,6 +60,7 @@ SURFACES = (  # JSBSim counts elevator and rudder against our signs
     Property("fcs/elevator-cmd-norm", -1.0, "elevator"),
     Property("fcs/rudder-cmd-norm", -1.0, "rudder"),
 )
+GROUND_REACTIONS = "simulation/models/FGGroundReactions/enabled"  # 1: contacts are looked at
 THROTTLE = Property("fcs/throttle-cmd-norm", 1.0, "power lever, one per engine")
 FOREIGN_THROTTLE = Property("/controls/engines/engine[{}]/throttle", 1.0, "power lever of FlightGear")
 FLAPS_COMMAND = Property("fcs/flap-cmd-norm", 1.0, "flaps over their full deflection")

@@ -5,20 +5,16 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-import tomllib
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from aircraft.airframe import Airframe, load
 from aircraft.data import AircraftData, FlapSetting, data
 from aircraft.errors import FlightError, TrimError
-from aircraft.model_files import OWN_MODELS, folder
-from aircraft.repairs import is_stock
+from aircraft.model_files import folder
 from aircraft.state import STANDARD_GRAVITY
+from aircraft.stock import stock_row
 from aircraft.trim import Trim, trim
 
-STOCK_TABLE = OWN_MODELS / "stock.toml"
 SHARES = (0.0, 0.5, 1.0)  # of full flaps, where a model has flaps
 HEIGHT = 300.0  # m
 DENSITY = 1.225  # kg/m3, of the first guess only
@@ -38,20 +34,9 @@ def complete(model: str | Path) -> AircraftData:
     known = data(model)
     if known.flap_settings:
         return known
-    settings = _tabled(folder(model).name) if is_stock(model) else ()
+    rows = stock_row(model).get("flap_settings", [])
+    settings = tuple(FlapSetting(math.radians(row["flaps_deg"]), math.inf, row["slowest_mps"]) for row in rows)
     return dataclasses.replace(known, flap_settings=settings or flap_settings(model))
-
-
-@functools.cache
-def _table() -> dict[str, Any]:
-    table = tomllib.loads(STOCK_TABLE.read_text()) if STOCK_TABLE.is_file() else {}
-    same = table.pop("versions", {}).get("jsbsim") == version("jsbsim")
-    return table if same else {}
-
-
-def _tabled(name: str) -> tuple[FlapSetting, ...]:
-    rows = _table().get(name, {}).get("flap_settings", [])
-    return tuple(FlapSetting(math.radians(row["flaps_deg"]), math.inf, row["slowest_mps"]) for row in rows)
 
 
 def why_not(airframe: Airframe) -> str:

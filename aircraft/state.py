@@ -10,6 +10,27 @@ STANDARD_GRAVITY = 9.80665  # m/s2, the g of the papers and of load factors
 
 Real = Any  # float in the loop, array over a record
 
+# parts of an aircraft that may touch the ground; several at once are the sum of theirs
+MAIN_WHEEL, NOSE_WHEEL, TAIL_WHEEL, TAIL, WING_TIP, FUSELAGE = (1 << number for number in range(6))
+PARTS = {
+    MAIN_WHEEL: "main wheel",
+    NOSE_WHEEL: "nose wheel",
+    TAIL_WHEEL: "tail wheel",
+    TAIL: "tail",
+    WING_TIP: "wing tip",
+    FUSELAGE: "fuselage",
+}
+
+
+def parts(touching: float) -> str:
+    """The parts of a sum of ``PARTS`` in words: "main wheel and nose wheel"."""
+    return " and ".join(word for part, word in PARTS.items() if int(touching) & part)
+
+
+def main_wheel_first(first_contact: float) -> bool:
+    """Whether an aircraft touched down as it should: a main wheel first, or all three points of a tail-dragger."""
+    return int(first_contact) in (MAIN_WHEEL, MAIN_WHEEL + TAIL_WHEEL)
+
 
 class AircraftState(NamedTuple):
     """One instant of motion, or a whole record when every field is an array of the same shape.
@@ -47,6 +68,8 @@ class AircraftState(NamedTuple):
     flaps: Real  # rad
     gear: Real  # 0 up, 1 down
     main_wheels: Real  # share of the main gear units on the ground, 0..1
+    first_contact: Real  # sum of ``PARTS`` that touched the ground first, within one step of the motion; 0 = none
+    touched: Real  # sum of ``PARTS`` that have touched it so far
 
     @property
     def course(self) -> Real:

@@ -30,6 +30,8 @@ FROM_HERE = (FLARE, GO_AROUND)  # phases whose path begins where the aircraft is
 ESTABLISHED_TRACK = math.radians(5.0)  # a turn or an intercept is over within this of the course
 ESTABLISHED_CROSS_TRACK = 100.0  # m
 SPEED_SETTLING = 4.0  # s, by which a new speed is ordered earlier than its ramp needs
+FLARE_LAG = 1.0  # m/s, of the airspeed over its command in the flare, which then waits
+BOUNCE = 0.5  # m of the wheels above the ground: it flies again, and flares again
 LEAST_AIRSPEED = 5.0  # m/s, of the command after a landing; a flying boat floats until then
 CLIMB_AWAY = 2.0  # regained heights: how far at least a go-around climbs
 SETTLED = 1e-3  # m and m/s: a change of height is over
@@ -161,7 +163,11 @@ class Approach:
                 level = max(level, lowest + CLIMB_AWAY * self.landing.regained_height)
             height, climb_rate = self._path(phase, level, height, climb_rate, to_go, over_ground, airspeed, dt)
             slope = math.atan2(climb_rate, over_ground)
-        airspeed, flaps, gear = self._speed(phase, leg, to_go, airspeed, state.airspeed, dt)
+            if phase == FLARE and self.landing is not None:  # where the wheels are, not where they were to be
+                wheels = state.height - self.landing.wheel_height
+                slope = math.atan2(-self.landing.flare_sink(wheels), over_ground)
+                slope += self.landing.attitude(wheels, state.pitch)
+        airspeed, flaps, gear = self._speed(phase, leg, to_go, airspeed, state, -climb_rate, dt)
         wanted_bank, sideslip = self.law(deviation), 0.0
         if phase > FINAL:
             wanted_bank, sideslip, crab, aligned = self._aligned(
@@ -200,7 +206,7 @@ class Approach:
             if landing.flare_begins(state.height - landing.wheel_height, -s.climb_rate):
                 phase = FLARE
             elif state.height < landing.gate.height:
-                errors = state.airspeed - landing.approach_speed, state.height - s.height
+                errors = state.airspeed - min(landing.approach_speed, s.airspeed), state.height - s.height
                 gate = landing.gate.step(
                     gate, errors[0], -state.velocity_up, errors[1], deviation.cross_track, deviation.distance_to_go, dt
                 )
@@ -209,6 +215,8 @@ class Approach:
             return phase, gate, state.height, s.finished
         if phase == FLARE and state.main_wheels > 0.0:
             return GROUND, gate, state.height, s.finished
+        if phase == GROUND and state.height - landing.wheel_height > BOUNCE:
+            return FLARE, gate, state.height, s.finished
         if phase == GO_AROUND and state.height > s.lowest + landing.regained_height:
             return phase, gate, s.lowest, "go_around"
         return phase, gate, min(s.lowest, state.height), s.finished
@@ -239,7 +247,7 @@ class Approach:
         return height - sink * dt, -sink
 
     def _speed(
-        self, phase: int, leg: int, distance: float, airspeed: float, flown: float, dt: float
+        self, phase: int, leg: int, distance: float, airspeed: float, state: AircraftState, sink: float, dt: float
     ) -> tuple[float, float, float]:
         """Airspeed, m/s, on its ramp, flaps and gear."""
         landing, deceleration = self.landing, self.deceleration
@@ -254,10 +262,16 @@ class Approach:
             else:
                 flaps, gear, wanted = landing.flaps, 1.0, landing.approach_speed
                 deceleration = self.glide_deceleration
-            if phase in (FLARE, GROUND):
+            wheels = state.height - landing.wheel_height
+            if phase == GLIDE and landing.slows_down(wheels, sink, airspeed, deceleration):
+                wanted = landing.threshold_speed
+            elif phase == FLARE:
+                if state.airspeed > airspeed + FLARE_LAG:  # to slow down faster it would raise the nose, and float
+                    return airspeed, flaps, gear
+                wanted, deceleration = landing.touchdown_speed, landing.flare_deceleration
+            elif phase == GROUND:
                 wanted, deceleration = LEAST_AIRSPEED, landing.flare_deceleration
-            if phase == GROUND:
-                airspeed = min(airspeed, flown)  # what the wheels brake is not to be flown back by pitching up
+                airspeed = min(airspeed, state.airspeed)  # what the wheels brake is not to be flown back by pitching up
         return rate_limit(airspeed, wanted, deceleration, dt), flaps, gear
 
     def _aligned(

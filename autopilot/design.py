@@ -23,7 +23,7 @@ AIRSPEED_INTEGRAL, HEIGHT_INTEGRAL = 12.0, 30.0  # m, m s
 THROTTLE = ELEVATOR = 0.25  # of full control
 SIDESLIP, ROLL_RATE, YAW_RATE, BANK = math.radians(3), math.radians(12), math.radians(6), math.radians(4)
 BANK_INTEGRAL = math.radians(12)  # rad s
-AILERON = RUDDER = 0.35
+AILERON, RUDDER = 0.47, 0.35  # of full control
 
 REFERENCE_SHARE = (
     3.0  # of the bandwidth of the bank loop: natural frequency of the reference, which only rounds corners
@@ -83,11 +83,17 @@ class Designed(NamedTuple):
     bank_limit: float
     cross_track_limit: float
     cross_track_rate_limit: float
+    turning: float = 1.0  # share of g tan(bank) that turns the path: no loop takes the sideslip out of a steady turn
 
     @property
     def law(self) -> LateralNavigation:
         """The route law of the design."""
         return LateralNavigation(self.k1, self.k2, self.bank_limit, self.cross_track_limit, self.cross_track_rate_limit)
+
+    def with_law(self, law: LateralNavigation) -> Designed:
+        """The design with another route law."""
+        names = ("k1", "k2", "bank_limit", "cross_track_limit", "cross_track_rate_limit")
+        return self._replace(**{name: getattr(law, name) for name in names})
 
     def time_to_roll(self, speed: float, roll_rate_limit: float) -> float:
         """Time, s, by which a turn flown by the law lags behind the circle of its plan.

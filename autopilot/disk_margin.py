@@ -12,7 +12,7 @@ from aircraft.state import STANDARD_GRAVITY
 from autopilot.design import OperatingPoint, lateral_gains, longitudinal_gains
 
 FREQUENCIES = np.geomspace(0.01, 60.0, 1500)  # rad/s; the autopilot's half rate is 94
-DELAY = 1.0 / 60.0 + 1.5 / 120.0  # s: half a period of the held controls, and that of the simulation
+DELAY = 1.0 / 60.0 + 1.5 / 120.0  # s: half a period of the held controls, and that of a simulation at 120 Hz
 
 
 class Margin(NamedTuple):

@@ -71,6 +71,4 @@ def softened(designed: Designed, speed: float, lag: float) -> Designed:
 
     natural = math.sqrt(STANDARD_GRAVITY * designed.k1)
     frequency = float(brentq(reserve, SLOWEST * natural, natural))
-    law = law_of_frequency(frequency, speed, designed.bank_limit)
-    limits = {name: getattr(law, name) for name in ("k1", "k2", "cross_track_limit", "cross_track_rate_limit")}
-    return designed._replace(**limits)
+    return designed.with_law(law_of_frequency(frequency, speed, designed.bank_limit))

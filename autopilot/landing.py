@@ -9,10 +9,15 @@ from typing import Annotated
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.stabilised_gate import StabilisedGate
 
-FLOATING = 0.25  # of the touchdown sink, at which the path goes on below the runway
+SCREEN_HEIGHT = 15.24  # m, 50 ft: there the reference speed is flown [CS 25.125]
+REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
+TOUCHDOWN_MARGIN = 1.15  # over the stall, at which a flare means to end; it is not slowed down further
+ATTITUDE_HEIGHT = 3.0  # m of the wheels, below which the pitch is led towards what the landing gear allows
+CLEARANCE = math.radians(1.0)  # from the pitch at which nose wheel or tail would touch with the main wheels
+TOUCHDOWN_ANGLE = 0.4 / 58.0  # rad, of the path on which the flare meets the runway
 POSITIVE = (
-    *("approach_speed", "glide_path", "capture_load_factor", "capture_cross_track", "flare_time", "touchdown_sink"),
-    *("flare_deceleration", "align_height", "align_time", "sideslip_limit", "climb_angle", "regained_height"),
+    *("approach_speed", "glide_path", "capture_load_factor", "capture_cross_track", "flare_time"),
+    *("stall_speed", "align_height", "align_time", "sideslip_limit", "climb_angle", "regained_height"),
 )
 
 
@@ -21,19 +26,20 @@ class Landing:
     """How an approach ends. Heights of the wheels are above the runway, the others are of the aircraft's position."""
 
     approach_speed: Annotated[float, "m/s"] = 58.0
+    stall_speed: Annotated[float, "given"] = 41.3  # m/s, with landing flaps
     flaps: Annotated[float, "rad"] = math.radians(38.0)
     glide_path: Annotated[float, "rad"] = math.radians(2.0 + 40.0 / 60.0)
     capture_load_factor: float = 0.05  # taken off while the path bends down onto the glide path
     capture_cross_track: Annotated[float, "m"] = 130.0  # half scale: no descent outside it
     flare_time: Annotated[float, "s"] = 3.2  # time constant of the exponential
-    touchdown_sink: Annotated[float, "m/s"] = 0.4
-    flare_deceleration: Annotated[float, "m/s2"] = 1.0
     align_height: Annotated[float, "m"] = 14.0  # of the wheels, where the de-crab begins
     align_time: Annotated[float, "s"] = 3.0
     sideslip_limit: Annotated[float, "rad"] = math.radians(8.0)
     climb_angle: Annotated[float, "rad"] = math.radians(3.0)  # of the go-around
     regained_height: Annotated[float, "m"] = 100.0  # after which the go-around is over
     wheel_height: Annotated[float, "given"] = 0.0  # m, height of the aircraft's position with the wheels on the ground
+    lowest_pitch: Annotated[float, "given"] = -math.pi / 2.0  # rad, with nose wheel and main wheels down
+    highest_pitch: Annotated[float, "given"] = math.pi / 2.0  # rad, with tail and main wheels down
     sideslip_bank: Annotated[float, "given"] = 0.0  # bank per sideslip that keeps the track straight
     gate: Annotated[StabilisedGate, "given"] = field(default_factory=StabilisedGate)
 
@@ -67,13 +73,51 @@ class Landing:
             return distance * slope, -slope
         return level - slope * into * into / (2.0 * bend), -slope * into / bend
 
+    @property
+    def threshold_speed(self) -> float:
+        """Airspeed, m/s, over the threshold: what the approach was flown faster than the reference speed is gone."""
+        return min(REFERENCE_MARGIN * self.stall_speed, self.approach_speed)
+
+    @property
+    def touchdown_speed(self) -> float:
+        """Airspeed, m/s, down to which a flare is slowed: the angle of attack that it takes raises the nose."""
+        return min(TOUCHDOWN_MARGIN * self.stall_speed, self.threshold_speed)
+
+    @property
+    def touchdown_sink(self) -> float:
+        """Sink, m/s, with which the flare meets the runway: every aircraft at the same angle, from the same margin."""
+        return TOUCHDOWN_ANGLE * self.threshold_speed
+
+    @property
+    def flare_deceleration(self) -> float:
+        """Deceleration, m/s2, that takes a flare from ``threshold_speed`` to ``touchdown_speed``.
+
+        The exponential sink' = -sink / flare_time takes flare_time ln(sink / touchdown_sink) from the glide path's sink
+        to that of the touchdown.
+        """
+        time = self.flare_time * max(math.log(self.slope / TOUCHDOWN_ANGLE), 1.0)
+        return (self.threshold_speed - self.touchdown_speed) / time
+
+    def slows_down(self, wheels: float, sink: float, airspeed: float, deceleration: float) -> bool:
+        """Whether the speed falls now, to be down to ``threshold_speed`` when the wheels (m) pass the screen height.
+
+        ``sink`` and ``airspeed`` are those of the glide path, m/s, ``deceleration`` is in m/s2.
+        """
+        return (wheels - SCREEN_HEIGHT) * deceleration < (airspeed - self.threshold_speed) * sink
+
     def flare_begins(self, wheels: float, sink: float) -> bool:
         """Whether the exponential through the wheels' height (m) starts with no more than this sink (m/s)."""
         return wheels < self.flare_time * (sink - self.touchdown_sink)
 
     def flare_sink(self, wheels: float) -> float:
-        """Sink, m/s, of the flare: it decays with the height of the wheels, at the runway to ``touchdown_sink``.
+        """Sink, m/s, of the flare: it decays with the height of the wheels, at the runway to ``touchdown_sink``."""
+        return max(wheels, 0.0) / self.flare_time + self.touchdown_sink
 
-        Below the runway it never ends, for an aircraft that floats above it in ground effect.
+    def attitude(self, wheels: float, pitch: float) -> float:
+        """Angle, rad, by which the flare's path is bent for the landing gear: the nearer to the ground, the more.
+
+        It is the pitch (rad) that lacks for the main wheels to touch first, or, negative, what it is nearer to a strike
+        of the tail than ``CLEARANCE``.
         """
-        return max(wheels / self.flare_time + self.touchdown_sink, FLOATING * self.touchdown_sink)
+        wanted = max(self.lowest_pitch + CLEARANCE, min(pitch, self.highest_pitch - CLEARANCE))
+        return (wanted - pitch) * min(max(1.0 - wheels / ATTITUDE_HEIGHT, 0.0), 1.0)

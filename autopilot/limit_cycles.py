@@ -58,17 +58,20 @@ class LimitedLoop(NamedTuple):
     loop: RouteLoop
     bank_limit: float  # rad
     rate_limit: float  # rad/s
+    amplitude: Any  # (m,) of what the law asks for, over the bank limit
     frequency: Any  # (k,) rad/s
     response: Any  # (4, k) of the loop
-    gain: Any  # (amplitudes, k) of the limits
+    gain: Any  # (m, k) of the limits
 
 
-def limited_loop(loop: RouteLoop, bank_limit: float, rate_limit: float) -> LimitedLoop:
+def limited_loop(
+    loop: RouteLoop, bank_limit: float, rate_limit: float, amplitude: Any = AMPLITUDES, frequencies: int = FREQUENCIES
+) -> LimitedLoop:
     """The loop with a bank limit (rad) and a roll-rate limit of the command (rad/s)."""
     highest = min(HIGHEST * loop.bandwidth, 0.9 * math.pi / STEP)
-    frequency = np.geomspace(LOWEST * loop.bandwidth, highest, FREQUENCIES)
-    gain = limits_describing_function(AMPLITUDES[:, None] * bank_limit, frequency, bank_limit, rate_limit)
-    return LimitedLoop(loop, bank_limit, rate_limit, frequency, response(loop, frequency), gain)
+    frequency = np.geomspace(LOWEST * loop.bandwidth, highest, frequencies)
+    gain = limits_describing_function(amplitude[:, None] * bank_limit, frequency, bank_limit, rate_limit)
+    return LimitedLoop(loop, bank_limit, rate_limit, amplitude, frequency, response(loop, frequency), gain)
 
 
 def limit_cycles(limited: LimitedLoop, law: LateralNavigation) -> tuple[LimitCycle, ...]:
@@ -93,22 +96,36 @@ class Balance(NamedTuple):
 
 def sine_balances(limited: LimitedLoop, law: LateralNavigation) -> tuple[list[Balance], bool]:
     """Balances by rising demand, between the points of the grid, and whether the smallest oscillation grows."""
-    moved = np.abs(limited.gain) * AMPLITUDES[:, None] * limited.bank_limit  # amplitude of the limited command
+    (frequency, gain), amplitude = _round_the_loop(limited, law), limited.amplitude
+    found = []
+    for i in range(len(gain) - 1):
+        if (gain[i] > 1.0) != (gain[i + 1] > 1.0) and np.isfinite(gain[i] + gain[i + 1]):
+            share = math.log(gain[i]) / math.log(gain[i] / gain[i + 1])
+            demand = limited.bank_limit * amplitude[i] * (amplitude[i + 1] / amplitude[i]) ** share
+            at = frequency[i] * (frequency[i + 1] / frequency[i]) ** share
+            found.append(Balance(float(demand), float(at), bool(gain[i] > 1.0)))
+    return found, bool(gain[0] > 1.0)
+
+
+def largest_gain(limited: LimitedLoop, law: LateralNavigation) -> float:
+    """The gain of the whole loop, where its phase is turned round, at the amplitude at which it is largest.
+
+    Below 1 every oscillation fades, whatever it began with; its inverse is the gain margin over all amplitudes.
+    """
+    _, gain = _round_the_loop(limited, law)
+    return float(np.nan_to_num(gain).max())
+
+
+def _round_the_loop(limited: LimitedLoop, law: LateralNavigation) -> tuple[Any, Any]:
+    """Frequency and gain, for each amplitude, at which the loop with all its limits turns the phase round."""
+    moved = np.abs(limited.gain) * limited.amplitude[:, None] * limited.bank_limit  # amplitude of the limited command
     asked = np.zeros(limited.gain.shape, complex)
     for factor, limit, seen in (
         (law.k1, law.cross_track_limit, limited.response[CROSS_TRACK]),
         (law.k2, law.cross_track_rate_limit, limited.response[CROSS_TRACK_RATE]),
     ):
         asked -= factor * saturation_describing_function(moved * np.abs(seen), limit) * seen
-    frequency, gain = _turned(limited.frequency, limited.gain * asked)
-    found = []
-    for i in range(len(gain) - 1):
-        if (gain[i] > 1.0) != (gain[i + 1] > 1.0) and np.isfinite(gain[i] + gain[i + 1]):
-            share = math.log(gain[i]) / math.log(gain[i] / gain[i + 1])
-            demand = limited.bank_limit * AMPLITUDES[i] * (AMPLITUDES[i + 1] / AMPLITUDES[i]) ** share
-            at = frequency[i] * (frequency[i + 1] / frequency[i]) ** share
-            found.append(Balance(float(demand), float(at), bool(gain[i] > 1.0)))
-    return found, bool(gain[0] > 1.0)
+    return _turned(limited.frequency, limited.gain * asked)
 
 
 def _turned(frequency: Any, around: Any) -> tuple[Any, Any]:

@@ -119,6 +119,8 @@ class Route:
     legs: tuple[Leg, ...]
     wind: tuple[float, float] = (0.0, 0.0)  # m/s, the way the air moves, (north, east)
     time_to_roll: float = 2.8  # s, by which the turn lags behind its plan; see Designed.time_to_roll
+    turning: float = 1.0  # share of g tan(bank) that turns the path; see Designed.turning
+    chart: tuple[tuple[int, float, float], ...] | None = None  # see charted_speed; None = it shows no speeds
     _lines: tuple[tuple[float, ...], ...] = field(init=False, repr=False, compare=False)  # end, direction, course
     _table: Any = field(init=False, repr=False, compare=False)  # the same (5, legs)
     _near: dict[tuple[float, float], Any] = field(init=False, repr=False, compare=False)  # see _near_turns
@@ -203,7 +205,7 @@ class Route:
         heading_north_2, heading_east_2 = north_2 * nose_2 + east_2 * drift_2, east_2 * nose_2 - north_2 * drift_2
         cross = heading_north_1 * heading_east_2 - heading_east_1 * heading_north_2
         dot = heading_north_1 * heading_north_2 + heading_east_1 * heading_east_2
-        acceleration = STANDARD_GRAVITY * _tan(bank_limit)
+        acceleration = self.turning * STANDARD_GRAVITY * _tan(bank_limit)
         duration = _arctan2(side * cross, dot) % math.tau * airspeed / acceleration
         radius = side * airspeed * airspeed / acceleration
         # the arc, from the difference of the two right-hand normals, plus the way of the air
@@ -212,6 +214,16 @@ class Route:
         straight = (arc_north * east_2 - arc_east * north_2) / sine  # m before the corner where the arc must begin
         past = arc_north * north_2 + arc_east * east_2 - straight * (north_1 * north_2 + east_1 * east_2)
         return Turn(straight + self.time_to_roll * self.ground_speed(leg, airspeed), past, duration)
+
+    def charted_speed(self, leg: Any, distance_to_go: Any) -> Any:
+        """Airspeed, m/s, that the chart shows so far (m) before the end of each run's leg (an int array).
+
+        That of the leg, or another one from a point of it on: ``chart`` has the leg, the point as m to go, and the m/s.
+        """
+        speed = np.array([one.speed for one in self.legs])[leg]
+        for number, begins, shown in self.chart or ():
+            speed = np.where((leg == number) & (distance_to_go <= begins), shown, speed)
+        return speed
 
     def ground_speed(self, leg: int, airspeed: Any) -> Any:
         """Speed over the ground along a leg that is held against the wind, m/s."""

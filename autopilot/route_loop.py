@@ -21,7 +21,7 @@ from autopilot.inner_loops import InnerLoops
 from autopilot.modes.lateral_navigation import LateralNavigation
 
 STEP = 1.0 / 30.0  # s, of the autopilot above 60 m
-DELAY = 1.5 / 120.0  # s: a control acts one step of the simulation late on the rates, half a step later on the angles
+DELAY = 1.5  # steps of the simulation: a control acts one step late on the rates, half a step later on the angles
 AT_ONCE = 1000.0  # rad/s; stands for an actuator without lag
 SLOWEST, QUICKEST = 0.01, 20.0  # of the bandwidth of the bank loop: natural frequencies of laws that are looked at
 CROSSINGS = 4000  # frequencies between which margins are looked for
@@ -43,7 +43,7 @@ class RouteLoop(NamedTuple):
     bandwidth: float  # rad/s, of the bank loop
 
 
-def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float, float]) -> RouteLoop:
+def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float, float], rate: float) -> RouteLoop:
     """The loop that a design closes around an aircraft in level flight, opened at the bank command.
 
     Parameters
@@ -51,17 +51,18 @@ def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float
     point : where the leg is flown
     designed : its gains, as the inner loops look them up there
     actuators : rad/s, bandwidths of aileron and rudder; infinite where there is no lag
+    rate : Hz, of the simulation
     """
     F, G = _airframe(point, actuators)
-    held, moved, late = _sampled(F, G)
+    held, moved, late = _sampled(F, G, DELAY / rate)
     plant = len(F)
     size = plant + 2 + 4  # airframe, controls of the step before, reference and its rate, two sums
     A, B = np.zeros((size, size)), np.zeros(size)
     unit = np.eye(size)
 
     frequency = designed.reference_frequency
-    reference, rate, sums = plant + 2, plant + 3, slice(plant + 4, size)
-    rate_row = unit[rate] * (1.0 - 2.0 * frequency * STEP) - unit[reference] * frequency**2 * STEP
+    reference, turning, sums = plant + 2, plant + 3, slice(plant + 4, size)
+    rate_row = unit[turning] * (1.0 - 2.0 * frequency * STEP) - unit[reference] * frequency**2 * STEP
     rate_command = frequency**2 * STEP
     reference_row, reference_command = unit[reference] + STEP * rate_row, STEP * rate_command
 
@@ -77,7 +78,7 @@ def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float
     B[:plant] = moved @ control_command
     A[plant : plant + 2], B[plant : plant + 2] = control, control_command
     A[reference], B[reference] = reference_row, reference_command
-    A[rate], B[rate] = rate_row, rate_command
+    A[turning], B[turning] = rate_row, rate_command
     A[sums] = unit[sums] - STEP * np.outer(sum_gains, errors[3])
     B[sums] = -STEP * sum_gains * from_command[3]
 
@@ -86,6 +87,13 @@ def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float
     C[AILERON] = control[0]
     D = np.array([0.0, 0.0, 0.0, control_command[0]])
     return RouteLoop(A, B, C, D, point.airspeed, designed.bank_bandwidth)
+
+
+def lag_loop(lag: float, speed: float) -> RouteLoop:
+    """The loop of a point that banks with one lag (s) behind its command and moves across by g times the bank."""
+    A = np.array([[-1.0 / lag, 0.0, 0.0], [0.0, 0.0, 1.0], [STANDARD_GRAVITY, 0.0, 0.0]])
+    both = expm(STEP * np.block([[A, np.array([[1.0 / lag], [0.0], [0.0]])], [np.zeros((1, 4))]]))
+    return RouteLoop(both[:3, :3], both[:3, 3], np.eye(4, 3), np.zeros(4), speed, 1.0 / lag)
 
 
 def _airframe(point: OperatingPoint, actuators: tuple[float, float]) -> tuple[Any, Any]:
@@ -104,15 +112,15 @@ def _airframe(point: OperatingPoint, actuators: tuple[float, float]) -> tuple[An
     return F, G
 
 
-def _sampled(F: Any, G: Any) -> tuple[Any, Any, Any]:
-    """x+ from x, from the controls set now and from those of the step before, which act until ``DELAY`` is over."""
+def _sampled(F: Any, G: Any, delay: float) -> tuple[Any, Any, Any]:
+    """x+ from x, from the controls set now and from those of the step before, which act until ``delay`` (s) is over."""
 
     def held(time: float) -> tuple[Any, Any]:
         both = expm(np.block([[F, G], [np.zeros((G.shape[1], len(F) + G.shape[1]))]]) * time)
         return both[: len(F), : len(F)], both[: len(F), len(F) :]
 
-    after, moved = held(STEP - DELAY)
-    before, late = held(DELAY)
+    after, moved = held(STEP - delay)
+    before, late = held(delay)
     return after @ before, moved, after @ late
 
 
@@ -146,6 +154,13 @@ def response(loop: RouteLoop, frequency: Any) -> Any:
         z * np.eye(len(loop.A)) - loop.A, np.broadcast_to(loop.B[:, None], (*z.shape[:1], *loop.B.shape, 1))
     )
     return (loop.C @ x[..., 0].T) + loop.D[:, None]
+
+
+def turning(loop: RouteLoop) -> float:
+    """Share of g times the bank that turns the path in a steady bank: a little is lost to the sideslip that stays."""
+    slow = 0.003 * loop.bandwidth
+    y = np.abs(response(loop, slow)[:, 0])
+    return float(slow**2 * y[CROSS_TRACK] / (STANDARD_GRAVITY * y[BANK]))
 
 
 def law_response(loop: RouteLoop, law: LateralNavigation, frequency: Any) -> Any:

@@ -41,8 +41,9 @@ Data
     - ``tables`` - the resolved file itself, in its own spelling
 - `Prepared` - all that one flight needs, built once (sim.flight.preparation)
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state
-    - ``limits`` that end a flight; ``designed`` gains; ``warnings``, sentences; ``stall_speed`` m/s
-      equivalent of the landing, or None
+    - ``limits`` that end a flight; ``gains``, their design and what it was made for; ``designed``, the gains
+      that fly; ``rate`` Hz of the equations of motion; ``warnings``, sentences; ``stall_speed`` m/s equivalent of
+      the landing, or None
 - `Flight` - the record of one flight, k instants at 30 Hz (sim.flight.record)
     - ``time`` (k,) s; ``state`` and ``command`` - `AircraftState` and `Command` of arrays (k,)
     - ``route`` that was to be flown; ``leg`` (k,) - index of the active one; ``deviation`` from it, of arrays (k,)
@@ -58,6 +59,8 @@ Data
     - ``specific_force_forward``, ``specific_force_right``, ``specific_force_down`` m/s2, body axes, all but gravity
     - ``aileron``, ``elevator``, ``rudder`` -1..1, + rolls right, pitches up, yaws right; ``throttle`` 0..1
     - ``flaps`` rad; ``gear`` 0 up, 1 down; ``main_wheels`` 0..1, the share of them on the ground
+    - ``first_contact``, ``touched`` - what touched the ground first, and so far: sums of parts
+      (aircraft.state.PARTS), 0 = none yet
     - what follows from them: ``course``, ``ground_speed``, ``air_velocity``, ``flight_path_angle`` and ``air_course``
       through the air, ``aerodynamic_bank``, ``load_factor``, ``acceleration``
 - `Command` - what the autopilot asks of the inner loops (aircraft.state)

@@ -88,6 +88,7 @@ def run(
     trackers: dict[str, Any] | None = None,
     plugins: Any = (),
     progress: Callable[..., Any] | None = None,
+    remark: Callable[[str], None] | None = None,
 ) -> Result:
     """Read, fly, observe, track and judge a scenario.
 
@@ -97,6 +98,7 @@ def run(
     overrides : ``{"table.key": value}`` in the spelling of files
     trackers : further trackers by name, objects of the ``tracking.track.Tracker`` protocol
     plugins : what brings kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``
+    remark : called with each warning that is known before anything flies
 
     Raises ``ScenarioError`` for anything that cannot be run.
     """
@@ -111,6 +113,9 @@ def run(
         refuse_too_much(scenario)
         prepared = prepare(scenario)
         check(prepared, trackers)
+    if remark is not None:
+        for sentence in prepared.warnings:
+            remark(sentence)
     with timed(timing, "fly_s"):
         numbers: Any = range(scenario.flights)
         if progress is not None and scenario.flights > 1:
@@ -193,6 +198,7 @@ def run_to_folder(
     out: Path | None,
     progress: Callable[..., Any] | None = None,
     plugins: Any = (),
+    remark: Callable[[str], None] | None = None,
 ) -> tuple[Path, Result]:
     """Run a scenario into a folder, ``out/NAME`` unless told otherwise."""
     started = time.perf_counter()
@@ -200,7 +206,7 @@ def run_to_folder(
     folder = out if out is not None else Path("out") / scenario.name
     refuse_foreign(folder, "run")
     with helper(len(scenario.trackers) >= FEW, functools.partial(_get_ready, scenario.parts)):
-        result = run(scenario, progress=progress)
+        result = run(scenario, progress=progress, remark=remark)
         claim(folder, "run")
         with staged(folder) as place:
             report(result, place)
@@ -224,7 +230,7 @@ def report(result: Result, folder: Path) -> None:
 
     with timed(result.timing, "report_s"):
         scenario, first = result.scenario, result.flight
-        resolved = {**scenario.tables, "designed": result.prepared.designed.to_table()}
+        resolved = {**scenario.tables, "designed": result.prepared.gains.to_table()}
         (folder / "scenario.toml").write_text(dumps(resolved))
         write_json(folder / "metrics.json", result.metrics)
         write_npz(folder / "flight.npz", flight_arrays(first.whole))
@@ -237,7 +243,6 @@ def report(result: Result, folder: Path) -> None:
             law=result.prepared.law,
             metrics=result.metrics,
             versions=result.metrics["versions"],
-            timing=result.timing,
             tracked=result.tracks,
             records=result.records,
         )

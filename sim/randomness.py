@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import zlib
+import hashlib
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,10 +13,12 @@ BLOCK = 256  # rows drawn at once; the values do not depend on it
 def stream(seed: int, flight: int, draw: int, name: str) -> np.random.Generator:
     """Generator of one kind of draw, such as ``radar.noise``, in one draw of one flight.
 
-    Adding a sensor, more draws, other chunks or more workers leaves every other stream as it is.
+    Adding a sensor, more draws, other chunks or more workers leaves every other stream as it is. The name enters by
+    128 bits of its digest: 32 would be few enough for two names of sensors to share their noise.
     """
-    key = (flight, draw, zlib.crc32(name.encode()))
-    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=key)))
+    digest = hashlib.blake2b(name.encode(), digest_size=16).digest()
+    words = (int.from_bytes(digest[i : i + 4], "little") for i in range(0, 16, 4))
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(flight, draw, *words))))
 
 
 @dataclass

@@ -30,7 +30,7 @@ from tracking.track import (
 
 MEMBERS = tuple(name for name in vars(Tracker) if not name.startswith("_"))
 DEFAULTS: dict[str, Any] = {}  # a tracker has them all
-SAME = 1e-12  # of the largest value of a component: what rounding may differ by
+SAME = 1e-11  # of the largest value of a component: rounding, by slopes of a law that are differences over a millimetre
 SYMMETRIC, NEGATIVE = 1e-9, -1e-9  # of the scale of a covariance
 LOOK = 5.0  # s, of a look ahead
 MISSED = 0  # the run in which a measurement is taken away

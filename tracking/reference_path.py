@@ -1,16 +1,15 @@
 """The path that an aircraft under a law follows, as a tracker knows it: one line, or the legs of a route.
 
 Both answer the same questions, so that a law-aware tracker is written once. On a `Line` the state is the deviation
-and its rate, as published. On `Legs` the state is cartesian and only the acceleration that the law commands is tied to
-the leg: it acts along the leg's normal, and the motion along the leg is uniform. That is the same filter as one that
-holds (along, rate, cross, rate) and rotates mean and covariance at every change of the leg.
+and its rate, as published, and the bank is an acceleration across the line. On `Legs` the state is cartesian, the law
+is asked with the deviations from the leg that the estimate is on, and the bank turns the velocity through the air.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple, Protocol
 
@@ -18,10 +17,21 @@ import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, lift, update
 from tracking.measurement import MeasurementModel
-from tracking.motion import CARTESIAN, GRAVITY, constant_velocity, double_integrator
+from tracking.motion import (
+    CARTESIAN,
+    GRAVITY,
+    constant_velocity,
+    course_kinematics,
+    double_integrator,
+    turn_rate_of,
+    turn_transition,
+)
 
 Array = Any
 
+SPEED_TIME = 20.0  # s, in which an aircraft comes to the charted speed: 10 m/s at 0.5 m/s2
+SLOWEST = 1.0  # m/s: a target at rest has no course
+SUB_STEP = 1.0  # s, for which the control is held unless told otherwise: RMSE within 2 % of that of 0.25 s
 JUMP = 1e-2  # rad of bank over a millimetre: ten radians per metre are no law's slope
 CROSS_TRACK = ("cross_track", "cross_track_rate")
 
@@ -77,6 +87,14 @@ class ReferencePath(Protocol):
 
     def normal(self, place: Any) -> Array:
         """Unit vector to the right of the path (axes, *C)."""
+        ...
+
+    def steered(self, place: Any, mean: Array, bank: Array, dt: float) -> Array:
+        """Mean (n, *B) after dt (s) of a constant bank (*B), rad."""
+        ...
+
+    def steered_with_slope(self, place: Any, mean: Array, control: Steering, dt: float) -> tuple[Array, Array]:
+        """The same, and its transition (n, n, *B), which holds the slope of the law."""
         ...
 
     def advance(self, place: Any, mean: Array, dt: float) -> Any:
@@ -135,6 +153,13 @@ class Line:
     def normal(self, place: Array) -> Array:
         return np.ones(1)
 
+    def steered(self, place: Array, mean: Array, bank: Array, dt: float) -> Array:
+        """An acceleration across the line, g times the bank [Vasylyev 2003, eq. (6)]."""
+        return push(mean, GRAVITY * bank, dt)
+
+    def steered_with_slope(self, place: Array, mean: Array, control: Steering, dt: float) -> tuple[Array, Array]:
+        return self.steered(place, mean, control.bank, dt), folded(control, dt)
+
     def advance(self, place: Array, mean: Array, dt: float) -> Array:
         return place - dt * np.sqrt(np.maximum(self.ground_speed**2 - mean[1] ** 2, 0.0))
 
@@ -178,6 +203,61 @@ class Legs:
     def normal(self, place: Array) -> Array:
         return self._normals[:, place]
 
+    def steered(self, place: Array, mean: Array, bank: Array, dt: float) -> Array:
+        """A level turn of the velocity through the air, g tan(bank) at right angles to it, at the charted speed.
+
+        For small course errors this is [Vasylyev 2003, eq. (6)]. The speed is a control like the bank: it comes to the
+        charted one as the autopilot's does.
+        """
+        through_air, speed = self._at_charted_speed(place, mean, dt)[:2]
+        turn = turn_transition(dt, turn_rate_of(bank, speed))
+        return np.einsum("ij...,j...->i...", turn, through_air) + self._drift(mean, dt)
+
+    def steered_with_slope(self, place: Array, mean: Array, control: Steering, dt: float) -> tuple[Array, Array]:
+        """The slope is the one across the leg.
+
+        Along it only the beacon law changes, by the ratio of cross-track to distance less.
+        """
+        through_air, speed, slope = self._at_charted_speed(place, mean, dt)
+        moved, F = course_kinematics(through_air, control.bank, dt)
+        F[:, 1::2] = np.einsum("ij...,jk...->ik...", F[:, 1::2], slope)
+        normal = lift(self.normal(place), 1, mean.ndim - 1)
+        gradient = np.empty(np.broadcast_shapes(mean.shape, (4, *control.per_cross_track.shape)))  # d bank / d state
+        gradient[0::2] = normal * control.per_cross_track
+        gradient[1::2] = normal * control.per_cross_track_rate
+        # the bank acts at right angles to the air velocity: d acceleration / d bank = g / cos^2(bank)
+        north_rate, east_rate = through_air[1], through_air[3]
+        aside = GRAVITY / np.cos(control.bank) ** 2 / speed
+        effect = dt * np.stack([-east_rate * aside, north_rate * aside])[:, None] * gradient  # on the velocity
+        F[1::2] += effect
+        effect *= 0.5 * dt  # on the position
+        F[0::2] += effect
+        return moved + self._drift(mean, dt), F
+
+    def _at_charted_speed(self, place: Array, mean: Array, dt: float) -> tuple[Array, Array, Array]:
+        """State in the air when its speed has come nearer to the charted one for dt, and that speed.
+
+        Third is the change of that velocity by the one before (2, 2, *B).
+        """
+        moved = mean - self._drift(mean, 0.0)
+        speed = np.maximum(np.hypot(moved[1], moved[3]), SLOWEST)
+        if self.route.chart is None:
+            return moved, speed, lift(np.eye(2), 2, speed.ndim)
+        kept = math.exp(-dt / SPEED_TIME)
+        charted = self.route.charted_speed(place, self.deviation(place, mean).distance_to_go)
+        reached = charted + kept * (speed - charted)
+        course, ratio = moved[1::2] / speed, reached / speed
+        moved[1::2] *= ratio
+        slope = (kept - ratio) * course[:, None] * course  # along the velocity what is kept of it, across it the ratio
+        slope[0, 0] += ratio
+        slope[1, 1] += ratio
+        return moved, reached, slope
+
+    def _drift(self, mean: Array, dt: float) -> Array:
+        """What the air adds to the state over dt."""
+        north, east = self.wind
+        return lift(np.array([dt * north, north, dt * east, east]), 1, mean.ndim - 1)
+
     def advance(self, place: Array, mean: Array, dt: float) -> Array:
         if np.all(place == len(self.route.legs) - 1):
             return place
@@ -187,6 +267,15 @@ class Legs:
 def reference_path(route: Any, law: Law) -> ReferencePath:
     """The line itself, or the legs of a route whose turns are flown at the law's bank limit."""
     return route if isinstance(route, Line) else Legs(route, float(np.max(law.bank_limit)))
+
+
+def without_roll(route: Any) -> Any:
+    """The line itself, or the route whose turns begin where their circles do.
+
+    An aircraft banks ``time_to_roll`` before the circle begins, because it has to roll first. A tracker that flies the
+    circle at its full bank at once must begin there, or its turn is early by that time.
+    """
+    return route if isinstance(route, Line) else replace(route, time_to_roll=0.0)
 
 
 class OnPath(Protocol):
@@ -286,17 +375,13 @@ def steering(law: Law, path: ReferencePath, place: Any, mean: Array) -> Steering
     return Steering(banks[0], changes[0] / small, changes[1] / small)
 
 
-def push(normal: Array, mean: Array, acceleration: Array, dt: float) -> Array:
-    """Mean (n, *B) after dt of a constant acceleration (*B), m/s2, to the right of the path [Vasylyev 2003, eq. (9)].
+def push(mean: Array, acceleration: Array, dt: float) -> Array:
+    """Mean (2, *B) after dt of a constant acceleration (*B), m/s2, to the right of the line [Vasylyev 2003, eq. (9)].
 
     Erratum: (9) leaves B' as an integral, used g [T^2/2, T], which it is for the double integrator (6).
     """
-    position, rate = mean[0::2], mean[1::2]
-    acceleration = lift(normal, 1, mean.ndim - 1) * acceleration
-    moved = np.empty(np.broadcast_shapes(mean.shape, (len(mean), *acceleration.shape[1:])))
-    moved[0::2] = position + dt * rate + 0.5 * dt**2 * acceleration
-    moved[1::2] = rate + dt * acceleration
-    return moved
+    position, rate = mean
+    return np.stack([position + dt * rate + 0.5 * dt**2 * acceleration, rate + dt * acceleration])
 
 
 def folded(control: Steering, dt: float) -> Array:

@@ -56,13 +56,17 @@ def run(
     from sim import experiment
 
     overrides = _overrides(sets, seed=seed, flights=flights, draws=draws)
-    folder, result = experiment.run_to_folder(scenario, overrides, out, progress=_progress(), plugins=plugins or ())
+
+    def remark(sentence: str) -> None:
+        typer.echo(f"warning: {sentence}", err=as_json)
+
+    folder, result = experiment.run_to_folder(scenario, overrides, out, _progress(), plugins or (), remark)
     if as_json:
         typer.echo((folder / "metrics.json").read_text(), nl=False)
     else:
         from sim.cli.run_summary import summary
 
-        typer.echo(summary(result.metrics))
+        typer.echo(summary(result.metrics, result.prepared.warnings))
         typer.echo(f"report: {folder / 'report.html'}")
     raise typer.Exit(_exit_code(result.metrics))
 

@@ -8,11 +8,12 @@ from aircraft.errors import TrimError
 from aircraft.linearise import linearise
 from aircraft.modes import LEVEL_SOURCE, flying_qualities, modes
 from aircraft.trim import trim
-from autopilot.limit_cycles import caught, least_offset, limited_loop
+from autopilot.limit_cycles import limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
 from sim.cli.text_table import table
 from sim.estimation.setup import check
+from sim.flight import swings
 from sim.flight.departures import in_words
 from sim.flight.linear_model import has_route_loop, scenario_loop
 from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared, prepare
@@ -136,21 +137,15 @@ def _route_loop(prepared: Prepared, law: LateralNavigation) -> str:
     loop = run_isolated(prepared.scenario, MODEL_TIME_LIMIT, scenario_loop, prepared)
     found, linear = margins(loop, law), linear_onset(loop, law.bank_limit)
     limited = limited_loop(loop, law.bank_limit, prepared.autopilot.roll_rate_limit)
-    offset = least_offset(limited, law)
-    text = (
-        f"sampled loop: gain margin {found.gain:.2f}, phase margin {math.degrees(found.phase):.0f} deg; laws from "
-        f"{linear:.2f} rad/s ({linear / loop.bandwidth:.2f} of the bank loop) are unstable\nlimit cycle by theory: "
-    )
-    if math.isinf(offset):
-        return f"{text}none, every oscillation fades"
-    begun = f"caught from {offset:.1f} m beside the leg at rest" if offset else "whatever the start"
-    cycle = caught(limited, law, offset)
-    if cycle is None:
-        return f"{text}{begun}, without an amplitude of its own"
-    bank = math.degrees(cycle.bank)
-    stops = f"; slower than that: it asks for {cycle.aileron:.1f} of the full aileron" if cycle.aileron > 1.0 else ""
+    words = swings.in_words(limited, law) or "none, every oscillation fades"
+    if law == prepared.designed.law and prepared.scenario.autopilot.estimate_lag == 0.0:
+        speed = max(leg.speed for leg in prepared.route.legs)
+        slowed = swings.slowness(loop, prepared.designed, speed, limited.rate_limit)
+        words += f"; {slowed}" if slowed else ""
     return (
-        f"{text}{begun}; bank {bank:.1f} deg, period {cycle.period:.1f} s, cross-track {cycle.cross_track:.1f} m{stops}"
+        f"sampled loop: gain margin {found.gain:.2f}, phase margin {math.degrees(found.phase):.0f} deg; laws from "
+        f"{linear:.2f} rad/s ({linear / loop.bandwidth:.2f} of the bank loop) are unstable\n"
+        f"limit cycle by theory: {words}"
     )
 
 

@@ -20,7 +20,7 @@ from sim.scenario import toml_writer as toml
 from sim.workers.executors import LocalExecutor, Lost
 
 TABLE = Path(__file__).parent / "fleet.toml"
-AIRCRAFT_TIME_LIMIT = 240.0  # s of one aircraft
+AIRCRAFT_TIME_LIMIT = 600.0  # s of one aircraft
 OFFSET = 3000.0  # m, from which the line is captured
 SPEED_MARGIN = 1.02  # of the manoeuvring speed over the least for which the flaps are set
 TURN_ROOM = 2.5  # radii of the turns between downwind and final
@@ -36,7 +36,8 @@ HEAD = (
 
 def speeds(settings: Sequence[Any]) -> tuple[float, float]:
     """(manoeuvring, approach) indicated airspeed, m/s, from the flap settings of an aircraft."""
-    from sim.flight.airspeeds import MANOEUVRE_MARGIN, REFERENCE_ADDITION, REFERENCE_MARGIN
+    from autopilot.landing import REFERENCE_MARGIN
+    from sim.flight.airspeeds import MANOEUVRE_MARGIN, REFERENCE_ADDITION
 
     ordered = sorted(settings, key=lambda setting: setting.flaps)
     approach = REFERENCE_MARGIN * ordered[-1].stall_speed + REFERENCE_ADDITION
@@ -108,6 +109,23 @@ def described(model: str) -> dict[str, Any]:
     }
 
 
+def converged(model: str) -> dict[str, Any]:
+    """The rate of the equations of motion of an aircraft, and how far lower ones are from the finest."""
+    from aircraft.slowest import complete
+    from sim.studies.convergence import converged_rate
+
+    try:
+        rate, found = converged_rate(straight_in(model, *_rounded(*speeds(complete(model).flap_settings))))
+    except (ModelError, FlightError, TrimError, ScenarioError, ValueError) as error:
+        return {"reason": _reason(error)}
+    far = {f"at_{one.rate:.0f}_hz": [round(one.difference, 4), one.figure, one.air] for one in found}
+    return {"rate_hz": rate} | far
+
+
+def _rounded(manoeuvre: float, approach: float) -> tuple[float, float]:
+    return max(round(manoeuvre, 1), math.ceil(10.0 * approach) / 10.0), round(approach, 1)
+
+
 def flown(model: str) -> dict[str, Any]:
     """The capture of a line and the straight-in approach of an aircraft, and its modes, as a plain table."""
     from aircraft.airframe import load
@@ -115,8 +133,7 @@ def flown(model: str) -> dict[str, Any]:
 
     try:
         airframe, known = load(model), complete(model)
-        manoeuvre, approach = speeds(known.flap_settings)
-        manoeuvre, approach = max(round(manoeuvre, 1), math.ceil(10.0 * approach) / 10.0), round(approach, 1)
+        manoeuvre, approach = _rounded(*speeds(known.flap_settings))
     except (ModelError, FlightError, TrimError) as error:
         return {"reason": _reason(error)}
     told: dict[str, Any] = {
@@ -201,7 +218,7 @@ def answers(
 
 def write(models: Sequence[str], workers: int = 1) -> None:
     """Measure stock aircraft and write both tables; rows of others stay while the versions are the same."""
-    from aircraft.slowest import STOCK_TABLE
+    from aircraft.stock import STOCK_TABLE
     from sim.versions import versions
 
     under = {"versions": {key: versions()[key] for key in ("shortfinal", "jsbsim")}}
@@ -209,8 +226,11 @@ def write(models: Sequence[str], workers: int = 1) -> None:
     known = {name: {"flap_settings": facts[name]["flap_settings"]} for name in models if "flap_settings" in facts[name]}
     others = {name: row for name, row in _kept(STOCK_TABLE, under).items() if name not in facts}
     STOCK_TABLE.write_text(HEAD + toml.dumps(under | dict(sorted((others | known).items()))))
+    rates = dict(_shown(answers(converged, list(known), workers), len(known)))
+    known = {name: _with_rate(row, rates.get(name, {})) for name, row in known.items()}
+    STOCK_TABLE.write_text(HEAD + toml.dumps(under | dict(sorted((others | known).items()))))
     results = dict(_shown(answers(flown, list(known), workers), len(known)))
-    rows = {name: _row(facts[name], results.get(name, {})) for name in models}
+    rows = {name: _row(facts[name], results.get(name, {}), rates.get(name)) for name in models}
     others = _kept(TABLE, under).get("aircraft", {})
     TABLE.write_text(HEAD + toml.dumps(under | {"aircraft": dict(sorted((others | rows).items()))}))
 
@@ -221,9 +241,13 @@ def _kept(path: Path, under: dict[str, Any]) -> dict[str, Any]:
     return table if table.pop("versions", None) == under["versions"] else {}
 
 
-def _row(facts: dict[str, Any], result: dict[str, Any]) -> dict[str, Any]:
+def _with_rate(row: dict[str, Any], converged: dict[str, Any]) -> dict[str, Any]:
+    return ({"rate_hz": converged["rate_hz"]} if "rate_hz" in converged else {}) | row
+
+
+def _row(facts: dict[str, Any], result: dict[str, Any], converged: dict[str, Any] | None) -> dict[str, Any]:
     reason = facts.get("reason") or result.get("reason")
-    return {"reason": reason, "repairs": facts.get("repairs") or None} | result
+    return {"reason": reason, "repairs": facts.get("repairs") or None} | result | {"converged": converged}
 
 
 def _shown(found: Iterator[tuple[str, dict[str, Any]]], total: int) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from sim.cli.text_table import table
@@ -9,12 +10,12 @@ from sim.metrics.checks import broken, broken_in_study
 from sim.metrics.conformance import conformance_sentence
 from sim.metrics.navigation import beside
 
-MOST_REASONS = 3  # of flights that crashed
+MOST_REASONS = 3  # of flights that crashed, or were refused
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
 
 
-def summary(metrics: dict[str, Any]) -> str:
-    """One sentence on what happened, the trackers, then the checks as an aligned table."""
+def summary(metrics: dict[str, Any], said: Sequence[str] = ()) -> str:
+    """One sentence on what happened, the trackers, the checks as an aligned table, warnings that are not yet said."""
     flight = metrics["flight"]
     lines = [f"{metrics['scenario']}: {flight['reason']} ({flight['duration_s']:.0f} s, seed {metrics['seed']})"]
     why = (flight.get("navigated") or {}).get("why")
@@ -50,7 +51,7 @@ def summary(metrics: dict[str, Any]) -> str:
     failed = [check for check in metrics["checks"] if check["passed"] is False]
     if failed:
         lines += ["", *map(broken, failed)]
-    lines += [f"warning: {warning}" for warning in metrics["warnings"]]
+    lines += [f"warning: {warning}" for warning in metrics["warnings"] if warning not in said]
     return "\n".join(lines)
 
 
@@ -70,7 +71,8 @@ def study_summary(metrics: dict[str, Any]) -> str:
     """How all flights ended, then the checks as an aligned table."""
     ended = ", ".join(f"{count} {name}" for name, count in sorted(metrics["outcomes"].items()))
     lines = [f"{metrics['scenario']}: {metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}"]
-    lines += [f"crashed: {reason}" for reason in metrics.get("crashes", ())[:MOST_REASONS]]
+    for outcome, name in (("crashed", "crashes"), ("refused", "refusals")):
+        lines += [f"{outcome}: {reason}" for reason in metrics.get(name, ())[:MOST_REASONS]]
     if metrics["checks"]:
         header = ["check", "flights", "within", "value", "limit", "margin", ""]
         lines += ["", *table([header, *map(_shown, metrics["checks"])], 1)]

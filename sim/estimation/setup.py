@@ -86,7 +86,7 @@ def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, 
     if "alternative_laws" in wanted:
         supplied["alternative_laws"] = prepared.alternative_laws
     if "route" in wanted:
-        supplied["route"] = prepared.route
+        supplied["route"] = charted_route(prepared)
     if "measurement" in wanted:
         places = {s: sensor for s, sensor in sensors.items() if "measured" not in wanted or sensor.gives_place}
         supplied["measurement"] = measurement_model(prepared, places, name)
@@ -189,6 +189,15 @@ def assumed_law(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
         return dataclasses.replace(law, **changes), MISMATCHED if changes else "autopilot"
     except ValueError as error:
         raise ScenarioError(f"[trackers.{name}.law] {error}") from None
+
+
+def charted_route(prepared: Prepared) -> Any:
+    """The route with the speeds that its chart shows: of each leg, and of the glide path where the last leg has one."""
+    route, landing = prepared.route, prepared.autopilot.landing
+    last = len(route.legs) - 1
+    # the glide path begins where it leaves the height of the leg
+    glide = () if landing is None else ((last, route.legs[last].height / landing.slope, landing.approach_speed),)
+    return dataclasses.replace(route, chart=glide)
 
 
 def chart_height(prepared: Prepared) -> float:

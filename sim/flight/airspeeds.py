@@ -7,11 +7,11 @@ import math
 from aircraft.data import AircraftData
 from autopilot.approach import Approach
 from autopilot.design import SCHEDULED, Designed
+from autopilot.landing import REFERENCE_MARGIN
 from sim.scenario.model import Scenario
 from sim.scenario.tables import PatternTable
 
 MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
-REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
 REFERENCE_ADDITION = 2.5  # m/s over the reference speed, at least
 NEGLECTED = 0.005  # of an airspeed: what an indicator may show more than the equivalent one without a word
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from aircraft import model_files
-from aircraft.actuators import actuator_bandwidth
 from autopilot.modes.lateral_navigation import LateralNavigation
-from autopilot.route_loop import RouteLoop, route_loop
+from autopilot.route_loop import RouteLoop
 from sim.errors import ScenarioError
 from sim.flight.preparation import Prepared
-from sim.flight.vehicles import JsbsimVehicle, operating_point
+from sim.flight.vehicles import JsbsimVehicle, leg_loop
 
 
 def has_route_loop(prepared: Prepared) -> bool:
@@ -22,8 +20,5 @@ def scenario_loop(prepared: Prepared) -> RouteLoop:
         name = prepared.scenario.name
         raise ScenarioError(f"{name}: margins need a JSBSim aircraft under a route law, such as 'lateral_navigation'")
     leg = prepared.route.legs[prepared.initial.leg]
-    airframe = prepared.airframe.load()
-    point = operating_point(airframe, leg.speed, leg.height, prepared.autopilot.flaps, prepared.autopilot.gear)
-    model = model_files.read(prepared.airframe.model)
-    actuators = actuator_bandwidth(model, "aileron"), actuator_bandwidth(model, "rudder")
-    return route_loop(point, prepared.designed, actuators)
+    flaps, gear = prepared.autopilot.flaps, prepared.autopilot.gear
+    return leg_loop(prepared.airframe, prepared.designed, leg.speed, leg.height, flaps, gear)

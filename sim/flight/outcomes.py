@@ -6,12 +6,24 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from aircraft.state import STANDARD_GRAVITY, AircraftState
+from aircraft.state import (
+    FUSELAGE,
+    MAIN_WHEEL,
+    STANDARD_GRAVITY,
+    TAIL,
+    WING_TIP,
+    AircraftState,
+    main_wheel_first,
+    parts,
+)
 from autopilot.route import Route
 
 LONGEST_FLIGHT = 1800.0  # s
 TOUCHDOWN_BOX = (60.0, 823.0)  # m past the threshold [CS AWO.A.ALS.106, from memory]
 TOUCHDOWN_ASIDE = 21.0  # m off the centreline, of the same box: no scenario knows how wide its runway is
+SWINGS = 2  # from one bank to the other within one leg; a turn onto a leg and its capture are one
+STRUCTURE = TAIL + WING_TIP + FUSELAGE
+SUNK = -1.0  # m, height of an aircraft without a wheel between it and the runway
 HARDEST_LANDING = 3.05  # m/s, 10 ft/s, the limit sink of the landing gear [CS 25.473]
 
 
@@ -24,6 +36,8 @@ class Limits:
     stall_angle: float = math.radians(20.0)  # rad
     bank: float = math.radians(60.0)
     load_factor: float = 3.0
+    swing: str = ""  # what sustains the swings of the law, by theory
+    swing_bank: float = math.inf  # rad, beyond which a bank to the other side is part of a swing
 
 
 class OutcomeMonitor:
@@ -36,14 +50,34 @@ class OutcomeMonitor:
         self.leg, self.turned, self.course = -1, 0.0, 0.0
         self.start_offset = 0.0
         self.outside_since: float | None = None
-        self.sink = 0.0
-        self.touched = ""  # where and how the first wheel touched
+        self.sink = 0.0  # m/s, before the last contact
+        self.parts = 0.0  # that have touched the ground so far
+        self.touched: tuple[float, float, float] | None = None  # m past and right of the threshold, sink m/s, at first
+        self.side, self.swings, self.has_swung = 0.0, 0, False
 
     def __call__(self, state: AircraftState, leg: int, finished: str) -> tuple[str, str] | None:
         """(outcome, reason) once the flight is over, else None."""
+        if self.limits.swing:
+            self._watch_bank(state.bank, leg)
+        verdict = self._verdict(state, leg, finished)
+        if verdict is None or not self.has_swung:
+            return verdict
+        return verdict[0], f"{verdict[1]}; it swung: by theory {self.limits.swing}"
+
+    def _watch_bank(self, bank: float, leg: int) -> None:
+        """Count how often the bank goes from one side to the other within a leg."""
+        if leg != self.leg:
+            self.side, self.swings = 0.0, 0
+        if abs(bank) > self.limits.swing_bank and bank * self.side <= 0.0:
+            self.swings += self.side != 0.0
+            self.side = math.copysign(1.0, bank)
+            self.has_swung |= self.swings >= SWINGS
+
+    def _verdict(self, state: AircraftState, leg: int, finished: str) -> tuple[str, str] | None:
         if not math.isfinite(state.north + state.east + state.height + state.airspeed + state.bank):
             return "diverged", "the motion of the aircraft is no number any more"
-        if state.main_wheels > 0.0 or state.height < -1.0:
+        another, self.parts = state.touched != self.parts, state.touched
+        if another or state.main_wheels > 0.0 or state.height < SUNK:
             verdict = self._contact(state)
             if verdict is not None:
                 return verdict
@@ -68,14 +102,39 @@ class OutcomeMonitor:
         return across
 
     def _contact(self, state: AircraftState) -> tuple[str, str] | None:
-        past, across = self.limits.runway.from_local(state.north, state.east)
-        along = f"{abs(past):.0f} m {'past' if past >= 0.0 else 'before'} the threshold"
-        here = f"{along}, {abs(across):.1f} m off the centreline, sink {self.sink:.2f} m/s"
-        self.touched = where = self.touched or here
-        in_box = TOUCHDOWN_BOX[0] <= past <= TOUCHDOWN_BOX[1] and abs(across) <= TOUCHDOWN_ASIDE
-        if not in_box or self.sink > HARDEST_LANDING or state.height < -1.0:
-            return "ground", f"touched the ground {where}"
-        return ("landed", f"landed {where}") if state.main_wheels >= 1.0 else None
+        """Whether that is a landing yet, or why it will be none; where it first touched counts, and its hardest bounce.
+
+        The reason says all of it, and behind each figure the limit that it is beyond.
+        """
+        here = (*self.limits.runway.from_local(state.north, state.east), self.sink)
+        self.touched = past, across, sink = self.touched or here
+        sink = max(sink, self.sink)
+        sunk = not state.main_wheels and not state.touched
+        first = int(state.first_contact) or MAIN_WHEEL
+        then = int(state.touched) & STRUCTURE & ~first
+        short, far = TOUCHDOWN_BOX
+        figures = (
+            (
+                f"{abs(past):.0f} m {'past' if past >= 0.0 else 'before'} the threshold",
+                f"beyond the box of {far:.0f} m" if past > far else f"short of the box, {short:.0f} m past it",
+                not short <= past <= far,
+            ),
+            (
+                f"{abs(across):.1f} m off the centreline",
+                f"beside the box of {TOUCHDOWN_ASIDE:.0f} m",
+                abs(across) > TOUCHDOWN_ASIDE,
+            ),
+            (f"sink {sink:.2f} m/s", f"harder than {HARDEST_LANDING:.2f} m/s", sink > HARDEST_LANDING),
+            (
+                "without a wheel under it" if sunk else f"{parts(first)} first",
+                f"then the {parts(then)}",
+                bool(then),
+            ),
+        )
+        told = ", ".join(f"{figure}, {limit}" if beyond else figure for figure, limit, beyond in figures)
+        if sunk or not main_wheel_first(first) or any(beyond for _, _, beyond in figures):
+            return "ground", f"touched down {told}"
+        return ("landed", f"landed {told}") if state.main_wheels >= 1.0 else None
 
     def _envelope(self, state: AircraftState) -> tuple[str, str] | None:
         load = math.hypot(state.specific_force_right, state.specific_force_down) / STANDARD_GRAVITY

@@ -5,35 +5,40 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from aircraft.airframe import Wind
 from aircraft.data import AircraftData
 from aircraft.errors import ModelError
+from aircraft.model_files import digest, read
 from aircraft.point_mass import PointMass
+from aircraft.properties import FOOT
 from aircraft.runway import Runway as Place
 from aircraft.slowest import complete
 from autopilot.approach import PHASES, Approach
 from autopilot.departure import Departing
 from autopilot.design import Designed, law_of_frequency
 from autopilot.estimate_lag import softened
-from autopilot.landing import Landing
+from autopilot.landing import REFERENCE_MARGIN, Landing
 from autopilot.mode import DesignCase, Mode
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, Route, pattern_route
+from autopilot.route_loop import RouteLoop, lag_loop
 from autopilot.stabilised_gate import StabilisedGate
+from autopilot.swing_margin import shallower
 from sim.errors import did_you_mean
-from sim.flight import departures
+from sim.flight import departures, swings
 from sim.flight.airspeeds import (
     MANOEUVRE_MARGIN,
     REFERENCE_ADDITION,
-    REFERENCE_MARGIN,
     landing_stall_speed,
     least_approach_speed,
     level_speeds,
     remarks,
 )
+from sim.flight.gains import Gains, gains_for, plain
 from sim.flight.outcomes import Limits
 from sim.flight.vehicles import (
     AirframeChoice,
@@ -43,6 +48,7 @@ from sim.flight.vehicles import (
     PointMassVehicle,
     designed,
     designed_point_mass,
+    leg_loop,
 )
 from sim.flight.weather import air
 from sim.randomness import Streams
@@ -54,7 +60,6 @@ from sim.scenario.tables import STARTS, PatternTable
 from sim.workers.isolation import run_isolated
 
 MODEL_TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
-TOUCHDOWN_SINK, TOUCHDOWN_SPEED = 0.4, 58.0  # m/s: every aircraft touches down at this path angle
 SINK_MARGIN = 1.2  # of the gate over the sink of a fast approach, which is briefed for more than 1000 ft/min [FSF ALAR]
 
 
@@ -67,7 +72,9 @@ class Prepared:
     vehicle: Any
     initial: Initial
     limits: Limits
-    designed: Designed
+    gains: Gains  # as they travel in the scenario's file
+    designed: Designed  # as they fly: intercepts may be shallower in this wind
+    rate: float  # Hz, of the equations of motion
     warnings: tuple[str, ...]
     stall_speed: float | None = None  # m/s, equivalent, as it lands; None where none is known
 
@@ -83,8 +90,8 @@ class Prepared:
 
     @property
     def airframe(self) -> AirframeChoice:
-        """The aircraft model, its loading and its runway."""
-        return _airframe(self.scenario)
+        """The aircraft model, its loading, its runway and its rate."""
+        return _airframe(self.scenario, self.rate)
 
     @property
     def route(self) -> Route:
@@ -149,7 +156,7 @@ class Prepared:
         """The air of one flight: turbulence has its own stream."""
         scenario = self.scenario
         noise = Streams(scenario.seed, flight, 1, "wind").generator("turbulence")
-        return air(scenario.wind, scenario.runway, noise)
+        return air(scenario.wind, scenario.runway, noise, self.rate)
 
 
 def prepare(scenario: Scenario) -> Prepared:
@@ -165,36 +172,52 @@ def _prepared(scenario: Scenario) -> Prepared:
     with place("[route]"):
         route = _route(scenario, landing)
     with place("[aircraft]"):
-        gains = _designed(scenario, route, flaps, landing, aircraft)
-        gains = softened(gains, max(leg.speed for leg in route.legs), scenario.autopilot.estimate_lag)
-        turn_speed = min(leg.speed for leg in route.legs)
+        found = _gains(scenario, route, flaps, landing)
+        gains = found.designed
+        turn_speed, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
+        if len(route.legs) > 1:
+            gains = shallower(gains, fastest, turn_speed - math.hypot(*route.wind))
         lead = gains.time_to_roll(turn_speed, scenario.autopilot.roll_rate_limit)
-        route = dataclasses.replace(route, time_to_roll=lead)
+        route = dataclasses.replace(route, time_to_roll=lead, turning=gains.turning)
     with place("[autopilot.law]"):
         law = _law(scenario, _case(scenario, gains, route))
     with place("[autopilot]"):
         if landing is not None:
             landing = dataclasses.replace(landing, sideslip_bank=gains.bank_per_sideslip)
-        autopilot = Approach(
-            route,
-            law,
-            landing,
-            roll_rate_limit=scenario.autopilot.roll_rate_limit,
-            **_decelerations(scenario),
-            flaps=flaps,
-            allow_orbit=scenario.autopilot.allow_orbit,
-            offset=abs(scenario.start.cross_track) if len(route.legs) == 1 else math.inf,
-        )
+        rate_limit = scenario.autopilot.roll_rate_limit
+        try:
+            autopilot = Approach(
+                route,
+                law,
+                landing,
+                roll_rate_limit=rate_limit,
+                **_decelerations(scenario),
+                flaps=flaps,
+                allow_orbit=scenario.autopilot.allow_orbit,
+                offset=abs(scenario.start.cross_track) if len(route.legs) == 1 else math.inf,
+            )
+        except ValueError as error:
+            if law != gains.law or scenario.autopilot.estimate_lag > 0.0:  # slow for another reason
+                raise
+            why = swings.slowness(_loop(scenario, gains, route.legs[0], flaps), gains, fastest, rate_limit)
+            raise ValueError(f"{error}; {why}: allow a faster roll or less bank" if why else str(error)) from None
     with place("[start]"):
         initial = _initial(scenario, route, flaps, landing)
         vehicle = _vehicle(scenario, gains)
     with place("[aircraft]"):
         vehicle.read(vehicle.begin(initial, air(scenario.wind, scenario.runway)))  # it trims, or says why not
+        flown = LateralNavigation.of(law)
+        swing = ""
+        if flown is not None and flown != gains.law:
+            swing = swings.cause(_loop(scenario, gains, route.legs[initial.leg], flaps), flown, rate_limit)
     with place("[[departures]]"):
-        limits = Limits(scenario.until, scenario.runway)
-        told = _warnings(scenario, autopilot, aircraft, gains)
+        limits = Limits(scenario.until, scenario.runway, swing=swing, swing_bank=0.5 * law.bank_limit)
+        told = (*found.remarks, *_warnings(scenario, autopilot, aircraft, gains))
+        if swing:
+            own = f"the law swings by theory: {swing}"
+            told += (f"{own}; without its own numbers the design takes {gains.law.frequency:.3f} rad/s",)
         stall = landing_stall_speed(scenario, aircraft, autopilot)
-        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, gains, told, stall)
+        prepared = Prepared(scenario, autopilot, vehicle, initial, limits, found, gains, aircraft.rate, told, stall)
         _ = prepared.controller  # it can be left like that, or says why not
     return prepared
 
@@ -237,16 +260,20 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
         return flaps, None
     full = settings[-1].flaps if settings else 0.0
     speed = table.approach_speed
+    stall = speed / REFERENCE_MARGIN  # true, over the runway
     if settings:
         reference = least_approach_speed(aircraft, full, mass)
         speed = max(speed, reference / air.equivalent_share(table.height))  # it is least where final begins
+        stall = aircraft.stall_speed(full, mass) / air.equivalent_share(0.0)
     glide_path = scenario.runway.glide_path
     return flaps, Landing(
         approach_speed=speed,
+        stall_speed=stall,
         flaps=full,
         glide_path=glide_path,
-        touchdown_sink=TOUCHDOWN_SINK * (speed / TOUCHDOWN_SPEED),
         wheel_height=aircraft.height_of_wheels,
+        lowest_pitch=aircraft.lowest_touchdown_pitch,
+        highest_pitch=aircraft.highest_touchdown_pitch,
         gate=StabilisedGate(
             scenario.autopilot.gate_height,
             sink=max(StabilisedGate.sink, SINK_MARGIN * speed * math.tan(glide_path)),
@@ -286,31 +313,41 @@ def _route(scenario: Scenario, landing: Landing | None) -> Route:
     return Route(tuple(Leg(leg.from_, leg.to, leg.speed, leg.height) for leg in table.legs), wind)
 
 
-def _designed(
-    scenario: Scenario, route: Route, flaps: float, landing: Landing | None, aircraft: AircraftData
-) -> Designed:
-    """The gains: those that travel in the scenario, or a design on the linear model."""
-    if scenario.designed is not None:
-        try:
-            return Designed.from_table(scenario.designed)
-        except KeyError as error:
-            raise ValueError(f"[designed] lacks {error}; take the table out to design anew") from None
-        except (TypeError, ValueError, AttributeError, IndexError):
-            raise ValueError("[designed] cannot be used; take the table out to design anew") from None
+def _gains(scenario: Scenario, route: Route, flaps: float, landing: Landing | None) -> Gains:
+    """The gains: those that travel in the scenario, or a design on the linear model.
+
+    The inputs are the very arguments of the design, the model by its content: whatever else a design comes to depend on
+    becomes an argument of it, and is then noticed when it changes.
+    """
     slowest, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
-    bank_limit = scenario.autopilot.bank_limit
+    limits = {"bank_limit": scenario.autopilot.bank_limit, "roll_rate_limit": scenario.autopilot.roll_rate_limit}
+    arguments: dict[str, Any] = {"speed": fastest, **limits}
+    design: Callable[..., Designed] = designed_point_mass
+    aircraft = {"model": "point_mass"}
+    if scenario.aircraft.model != "point_mass":
+        design = designed
+        if landing is None:
+            wanted = [Configuration(flaps, 0.0, 0.96 * slowest, 1.04 * fastest)]
+        else:
+            final = landing.approach_speed
+            wanted = [
+                Configuration(flaps, 0.0, 1.03 * final, 1.02 * fastest),
+                Configuration(landing.flaps, 1.0, 0.97 * final, 1.02 * slowest, -landing.glide_path),
+            ]
+        arguments |= {"configurations": wanted, "height": max(leg.height for leg in route.legs)}
+        choice = _airframe(scenario)._replace(runway=Place(elevation=scenario.runway.elevation))  # all of it that acts
+        arguments["choice"] = choice
+        aircraft = plain(choice) | {"model": digest(read(choice.model))}
+    lag = scenario.autopilot.estimate_lag
+    inputs = plain(arguments) | {"estimate_lag": lag, "choice": aircraft}
+    return gains_for(scenario.designed, inputs, lambda: softened(design(**arguments), fastest, lag))
+
+
+def _loop(scenario: Scenario, gains: Designed, leg: Leg, flaps: float) -> RouteLoop:
+    """The loop that the gains close on a leg."""
     if scenario.aircraft.model == "point_mass":
-        return designed_point_mass(fastest, bank_limit)
-    if landing is None:
-        wanted = [Configuration(flaps, 0.0, 0.96 * slowest, 1.04 * fastest)]
-    else:
-        final = landing.approach_speed
-        wanted = [
-            Configuration(flaps, 0.0, 1.03 * final, 1.02 * fastest),
-            Configuration(landing.flaps, 1.0, 0.97 * final, 1.02 * slowest, -landing.glide_path),
-        ]
-    highest = max(leg.height for leg in route.legs)
-    return designed(_airframe(scenario), wanted, speed=fastest, bank_limit=bank_limit, height=highest)
+        return lag_loop(1.0 / gains.bank_bandwidth, leg.speed)
+    return leg_loop(_airframe(scenario), gains, leg.speed, leg.height, flaps, Approach.gear)
 
 
 def _case(scenario: Scenario, gains: Designed, route: Route) -> DesignCase:
@@ -365,7 +402,7 @@ def _initial(scenario: Scenario, route: Route, flaps: float, landing: Landing | 
     )
 
 
-def _airframe(scenario: Scenario) -> AirframeChoice:
+def _airframe(scenario: Scenario, rate: float | None = None) -> AirframeChoice:
     choice, runway = scenario.aircraft, scenario.runway
     return AirframeChoice(
         choice.model,
@@ -374,6 +411,7 @@ def _airframe(scenario: Scenario) -> AirframeChoice:
         choice.factors,
         Place(runway.latitude, runway.longitude, runway.elevation, runway.heading),
         scenario.air,
+        rate,
     )
 
 
@@ -387,7 +425,16 @@ def _warnings(scenario: Scenario, autopilot: Approach, aircraft: AircraftData, g
     """What is beyond the limits of the aircraft or of the model, and what was changed: flown all the same."""
     north, east = scenario.wind.steady
     along, across = scenario.runway.from_local(north, east)
-    told = []
+    told, landing = [], autopilot.landing
+    if landing is not None and landing.gate.sink > StabilisedGate.sink:
+        sink, usual, allowed = (
+            60.0 * speed / FOOT
+            for speed in (landing.approach_speed * landing.slope, StabilisedGate.sink, landing.gate.sink)
+        )
+        told.append(
+            f"a glide path of {math.degrees(landing.glide_path):.2f} deg at {landing.approach_speed:.1f} m/s sinks at "
+            f"{sink:.0f} ft/min: its gate lets {allowed:.0f} ft/min pass, not the usual {usual:.0f}"
+        )
     if scenario.wind.events and scenario.aircraft.model == "point_mass":
         told.append("the point mass keeps its airspeed in wind events: they only carry it along")
     if along > aircraft.tailwind_limit:

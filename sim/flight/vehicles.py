@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
+from aircraft import model_files
+from aircraft.actuators import actuator_bandwidth
 from aircraft.air import Air
-from aircraft.airframe import RATE, Airframe, Wind, load
+from aircraft.airframe import Airframe, Wind, load
 from aircraft.errors import TrimError
 from aircraft.linearise import linearise
 from aircraft.point_mass import PointMass, PointMassState
@@ -19,6 +21,8 @@ from aircraft.trim import trim
 from autopilot.design import SCHEDULED, Designed, OperatingPoint, design, lateral_law
 from autopilot.inner_loops import InnerLoops, LoopState
 from autopilot.rollout import Rollout
+from autopilot.route_loop import RouteLoop, lag_loop, route_loop, turning
+from autopilot.swing_margin import steadied
 
 LONGITUDINAL = ("airspeed", "angle_of_attack", "pitch_rate", "pitch", "height")
 LIMITS = ("bank_limit", "cross_track_limit", "cross_track_rate_limit")
@@ -49,10 +53,16 @@ class AirframeChoice(NamedTuple):
     factors: Mapping[str, float] | None = None  # of groups of coefficients, by the names that the aircraft declares
     runway: Runway | None = None
     air: Air | None = None  # None = the standard atmosphere
+    rate: float | None = None  # Hz, of the equations of motion; None = as its data say
 
     def load(self) -> Airframe:
         """A fresh aircraft; raises ``ModelError`` for anything that cannot be loaded."""
         return load(*self)
+
+    def actuators(self) -> tuple[float, float]:
+        """Bandwidths of aileron and rudder, rad/s; infinite where the model has no lag."""
+        model = model_files.read(self.model)
+        return actuator_bandwidth(model, "aileron"), actuator_bandwidth(model, "rudder")
 
 
 class Vehicle(Protocol):
@@ -121,7 +131,7 @@ class JsbsimVehicle:
         """Fly ``dt`` seconds, a multiple of the step of the equations of motion."""
         airframe = state.airframe
         state.loops, controls = state.inner_loops.step(state.loops, command, state.state, dt)
-        airframe.step(controls, round(dt * RATE), state.wind)
+        airframe.step(controls, round(dt * airframe.rate), state.wind)
         state.state = airframe.read()
         return state
 
@@ -146,7 +156,7 @@ class JsbsimVehicle:
         """Fly ``dt`` seconds with these controls, without the inner loops."""
         airframe = state.airframe
         airframe.set_wheels(wheels)
-        airframe.step(controls, round(dt * RATE), state.wind)
+        airframe.step(controls, round(dt * airframe.rate), state.wind)
         state.state = airframe.read()
         return state
 
@@ -176,18 +186,33 @@ def designed(
     *,
     speed: float,
     bank_limit: float,
+    roll_rate_limit: float,
     height: float = 300.0,
 ) -> Designed:
     """Trim and linearise an aircraft at the speeds of its configurations and design its loops and its route law.
 
-    ``speed`` (m/s) is flown on intercepts, ``bank_limit`` (rad) limits the law, ``height`` (m) is where it is trimmed.
+    ``speed`` (m/s) is flown on intercepts, ``bank_limit`` (rad) and ``roll_rate_limit`` (rad/s) limit the bank command,
+    ``height`` (m) is where it is trimmed.
     """
     airframe = choice.load()
     points = []
     for configuration in configurations:
         points.append(_level_or_not(airframe, configuration, (configuration.slowest,), height))
         points.append(_level_or_not(airframe, configuration, _fast(configuration), height))
-    return design(points, speed, bank_limit)
+    gains, surfaces = design(points, speed, bank_limit), choice.actuators()
+    loops = [route_loop(point, gains, surfaces, airframe.rate) for point in points]
+    turns = loops[:2]  # they are flown in the first configuration
+    gains = gains._replace(turning=sum(map(turning, turns)) / len(turns))
+    return steadied(gains, loops, speed, roll_rate_limit)
+
+
+def leg_loop(
+    choice: AirframeChoice, gains: Designed, airspeed: float, height: float, flaps: float, gear: float
+) -> RouteLoop:
+    """The loop that a design closes around an aircraft on a leg at an airspeed (m/s), height (m) and flaps (rad)."""
+    airframe = choice.load()
+    point = operating_point(airframe, airspeed, height, flaps, gear)
+    return route_loop(point, gains, choice.actuators(), airframe.rate)
 
 
 def operating_point(
@@ -282,17 +307,20 @@ class PointMassVehicle:
         raise NotImplementedError("a point mass does not roll")
 
 
-def designed_point_mass(speed: float, bank_limit: float, body: PointMass | None = None) -> Designed:
+def designed_point_mass(
+    speed: float, bank_limit: float, roll_rate_limit: float, body: PointMass | None = None
+) -> Designed:
     """The route law for the point mass, whose bank follows with one lag; it has no loops to design.
 
-    ``speed`` (m/s) is that of intercepts, ``bank_limit`` (rad) that of the law.
+    ``speed`` (m/s) is that of intercepts, ``bank_limit`` (rad) and ``roll_rate_limit`` (rad/s) limit the bank command.
     """
-    bandwidth = 1.0 / (body or PointMass()).roll_lag
-    law = lateral_law(bandwidth, speed, bank_limit)
-    return Designed(
+    lag = (body or PointMass()).roll_lag
+    law = lateral_law(1.0 / lag, speed, bank_limit)
+    gains = Designed(
         schedules=(),
-        bank_bandwidth=bandwidth,
-        reference_frequency=bandwidth,
+        bank_bandwidth=1.0 / lag,
+        reference_frequency=1.0 / lag,
         bank_per_sideslip=0.0,
         **{name: getattr(law, name) for name in ("k1", "k2", *LIMITS)},
     )
+    return steadied(gains, [lag_loop(lag, speed)], speed, roll_rate_limit)

@@ -16,17 +16,20 @@ from sim.scenario.model import Scenario
 from sim.scenario.tables import Runway, WindTable
 
 
-def air(table: WindTable, runway: Runway, noise: np.random.Generator | None = None) -> Wind:
-    """The whole motion of the air in one flight; without ``noise``, all but the turbulence."""
+def air(table: WindTable, runway: Runway, noise: np.random.Generator | None = None, rate: float = 120.0) -> Wind:
+    """The whole motion of the air in one flight; without ``noise``, all but the turbulence.
+
+    ``rate`` (Hz) is that of the steps in which the aircraft asks for it.
+    """
     steady = SteadyWind(*table.steady)
     mean = steady if table.profile is None else ShearedWind(steady, table.tower, table.profile)
     turbulent = noise is not None and table.intensity > 0.0
     course = runway.heading if table.speed == 0.0 else math.atan2(steady.east, steady.north)
     if isinstance(mean, SteadyWind) and not table.events:  # added up in one place, for speed
-        return Turbulence(table.intensity, noise, steady, course) if noise is not None and turbulent else steady
+        return Turbulence(table.intensity, noise, steady, course, rate) if noise is not None and turbulent else steady
     parts: list[Any] = [mean, *table.events.values()]
     if noise is not None and turbulent:
-        parts.append(Turbulence(table.intensity, noise, course=course))
+        parts.append(Turbulence(table.intensity, noise, course=course, rate=rate))
     return Together(tuple(parts))
 
 

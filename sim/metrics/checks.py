@@ -16,7 +16,7 @@ from sim.scenario.tables import Check, Runway
 
 EVERYWHERE = ("all", "gate")  # what ``during`` accepts besides the names of phases
 OF_TRACKERS = "trackers."  # figures whose names depend on the scenario
-RATIOS = ("gain",)  # figures of a tracker's channel that are ratios, and are called by their name
+RATIOS = ("gain", "gain_low", "gain_high")  # figures of a tracker's channel that are no quantity of the channel
 
 
 def evaluate_checks(
@@ -82,7 +82,7 @@ def unit_of(metric: str) -> str:
         return row.unit
     *channel, own = metric.split(".")[2:] or [""]
     if own in RATIOS:
-        return own
+        return RATIOS[0]
     for part in (own, *reversed(channel)):
         endings = [suffix for suffix in SUFFIXES if part.endswith(f"_{suffix}")]
         if endings:

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from aircraft.state import STANDARD_GRAVITY
+from aircraft.state import MAIN_WHEEL, STANDARD_GRAVITY, main_wheel_first
+from autopilot.landing import SCREEN_HEIGHT
 from sim.flight.record import RECORD_STEP, Flight
 from sim.flight.rollout import STOPPED
 from sim.metrics.signals import bank_rate, crab, height_error
@@ -133,7 +134,7 @@ def at_height(
 
 
 class Touchdown(NamedTuple):
-    """The first contact of a main wheel; sink, drift, angles and airspeed are those of the last instant before it."""
+    """The first contact with the ground; sink, drift, angles and airspeed are those of the last instant before it."""
 
     time: float  # s
     past_threshold: float  # m
@@ -142,14 +143,16 @@ class Touchdown(NamedTuple):
     drift: float  # m/s to the right
     crab: float  # rad, heading less the runway's
     bank: float  # rad
+    pitch: float  # rad
     airspeed: float  # m/s, true
     equivalent_airspeed: float  # m/s
+    first_contact: int  # sum of ``aircraft.state.PARTS`` that touched first
     before: int  # index of that instant
 
 
 def touchdown(flight: Flight, runway: Runway) -> Touchdown | None:
     """How the aircraft touched down; None where it did not, or was on its wheels from the beginning."""
-    contact = np.flatnonzero(flight.state.main_wheels > 0)
+    contact = np.flatnonzero((flight.state.main_wheels > 0) | (flight.state.first_contact > 0))
     if not contact.size or contact[0] == 0:
         return None
     at, before = contact[0], contact[0] - 1
@@ -164,8 +167,10 @@ def touchdown(flight: Flight, runway: Runway) -> Touchdown | None:
         drift=s.velocity_east[before] * along[0] - s.velocity_north[before] * along[1],
         crab=wrap(s.heading[before] - runway.heading),
         bank=s.bank[before],
+        pitch=s.pitch[before],
         airspeed=s.airspeed[before],
         equivalent_airspeed=s.equivalent_airspeed[before],
+        first_contact=int(np.broadcast_to(s.first_contact, s.time.shape)[at]) or MAIN_WHEEL,
         before=int(before),
     )
 
@@ -187,12 +192,22 @@ def touchdown_over_stall(flight: Flight, context: Context) -> float | None:
 
 
 def final_over_stall(flight: Flight, context: Context) -> float | None:
-    """Least mean over 5 s of the equivalent airspeed on the glide path over the stall speed, as it lands."""
-    speeds, width = flight.state.equivalent_airspeed[flight.during("glide")], round(FINAL_WINDOW / RECORD_STEP)
+    """Least mean over 5 s of the equivalent airspeed over the stall speed, on the glide path down to 50 ft.
+
+    Below, a landing slows down from the reference speed on purpose.
+    """
+    window = flight.during("glide") & (flight.state.height > SCREEN_HEIGHT)
+    speeds, width = flight.state.equivalent_airspeed[window], round(FINAL_WINDOW / RECORD_STEP)
     if context.stall_speed is None or len(speeds) < width:
         return None
     total = np.concatenate(([0.0], np.cumsum(speeds)))
     return float((total[width:] - total[:-width]).min() / width / context.stall_speed)
+
+
+def touchdown_main_first(flight: Flight, context: Context) -> float | None:
+    """1 where a main wheel touched first, or all three points of a tail-dragger, else 0."""
+    down = touchdown(flight, context.runway)
+    return None if down is None else float(main_wheel_first(down.first_contact))
 
 
 def touchdown_track_crab(flight: Flight, context: Context) -> float | None:

@@ -32,6 +32,7 @@ from sim.metrics.figures import (
     rates_on_bank,
     settling,
     time_saturated,
+    touchdown_main_first,
     touchdown_over_stall,
     touchdown_track_crab,
 )
@@ -94,7 +95,7 @@ METRICS: tuple[Metric, ...] = (
     Metric("base_overshoot_m", "m", "overshoot of base", base_overshoot, 2, True),
     Metric("overshoot_m", "m", "overshoot of the last leg", overshoot, 2, True),
     Metric("settling_s", "s", "settled after", settling, 1, True),
-    Metric("final_over_stall", "", "least speed on the glide path over the stall speed", final_over_stall, 2),
+    Metric("final_over_stall", "", "least speed down to 50 ft over the stall speed", final_over_stall, 2),
     Metric("cross_track_rms_final_m", "m", "cross-track RMS, final", cross_track_rms, 2, True),
     Metric("height_error_rms_final_m", "m", "height error RMS, glide path", on_settled_glide(height_errors), 2, True),
     Metric(
@@ -148,6 +149,10 @@ METRICS: tuple[Metric, ...] = (
         2,
     ),
     Metric("touchdown.bank_deg", "deg", "bank at touchdown", at_touchdown(lambda down: np.degrees(down.bank)), 2),
+    Metric(
+        "touchdown.pitch_deg", "deg", "pitch at touchdown", at_touchdown(lambda down: np.degrees(down.pitch)), 2, True
+    ),
+    Metric("touchdown.main_first", "", "main wheels first", touchdown_main_first, 0),
     Metric("touchdown.airspeed_mps", "mps", "true airspeed at touchdown", at_touchdown(lambda down: down.airspeed), 2),
     Metric(
         "touchdown.equivalent_airspeed_mps",

@@ -12,7 +12,7 @@ from sim.flight.record import Flight
 from sim.metrics import comparison
 from sim.metrics.comparison import Compared
 from tracking import consistency
-from tracking.intervals import mean_interval, rmse
+from tracking.intervals import gain, mean_interval, rmse
 from tracking.track import Measurements, Track
 
 
@@ -78,12 +78,19 @@ def _lost_time(time: np.ndarray, squares: np.ndarray, dimension: int) -> float |
 
 
 def _figure(squares: np.ndarray, raw: np.ndarray) -> dict[str, float | None]:
-    """RMSE over epochs and draws with an interval over draws, beside that of the raw measurements."""
+    """RMSE over epochs and draws with an interval over draws, beside that of the raw measurements.
+
+    The gain is the ratio of the two where both are known, its interval a paired one: each draw's noise is in both.
+    """
     own = rmse(squares.mean(axis=0))
-    figure: dict[str, float | None] = {"rmse": own.value, "low": own.low, "high": own.high, "raw": None, "gain": None}
+    figure: dict[str, float | None] = {"rmse": own.value, "low": own.low, "high": own.high}
+    figure |= dict.fromkeys(("raw", "gain", "gain_low", "gain_high"))
     finite = np.isfinite(raw)
     if finite.any():
         measured = float(np.sqrt(np.mean(raw[finite])))
         common = float(np.sqrt(np.mean(squares[finite])))
+        # sums, so that a draw counts by its looks
+        paired = gain(*(np.where(finite, values, 0.0).sum(axis=0) for values in (raw, squares)))
         figure |= {"raw": measured, "gain": measured / common if common else None}
+        figure |= {"gain_low": paired.low, "gain_high": paired.high}
     return figure

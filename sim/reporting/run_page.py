@@ -14,7 +14,7 @@ from sim.reporting.figures.measurements import measurement_charts
 from sim.reporting.page import rendered, text_of
 from sim.reporting.replay import replay
 from sim.reporting.text.header import first_screen
-from sim.reporting.text.labels import number, words
+from sim.reporting.text.labels import words
 from sim.reporting.text.outcome_sentence import first_clause
 from sim.reporting.text.references import FLIGHT_DYNAMICS, aircraft_sources, sources, what_ran
 from sim.reporting.text.rows import (
@@ -44,7 +44,6 @@ def write(
     law: Any,
     metrics: dict[str, Any],
     versions: dict[str, Any],
-    timing: dict[str, float],
     tracked: dict[str, Any] | None = None,
     records: dict[str, Any] | None = None,
 ) -> Path:
@@ -53,7 +52,7 @@ def write(
     Parameters
     ----------
     scenario : the resolved Scenario        flight : the first flight        law : the law that flew
-    metrics : as in metrics.json            versions, timing : name -> version, name -> s
+    metrics : as in metrics.json            versions : name -> version
     tracked, records : name -> Tracked, name -> SensorRecord of the first flight
     """
     whole = flight.whole
@@ -91,11 +90,10 @@ def write(
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
         draws=metrics.get("draws"),
-        scenario_text=dumps(scenario.tables),
+        scenario_text=dumps({**scenario.tables, "designed": None}),
         law_rows=law_rows(law),
         law_text=law.explain(),
         versions=rows(versions),
-        timing=[(words(name.removesuffix("_s")), number(float(value), 2)) for name, value in timing.items()],
         aircraft_sources=aircraft_sources(scenario.aircraft.model),
         equations=equations,
         papers=papers if scenario.aircraft.model == "point_mass" else [*papers, FLIGHT_DYNAMICS],

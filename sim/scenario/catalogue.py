@@ -20,6 +20,10 @@ FOLDERS = {
     "truths": ("sim.flight.truths", "fly"),
     "wind_events": ("aircraft.wind_events", "velocity"),
 }
+RETIRED = {  # (family, kind) that files of before may name -> what to write now
+    ("trackers", "route_control"): 'kind = "saturated_control", and for its old form covariance = "jacobian"',
+    ("trackers", "law_ekf"): 'kind = "saturated_control" and covariance = "jacobian"',
+}
 CONTRACTS = {  # family -> the module with its MEMBERS, its DEFAULTS, and what tries a class on them
     "sensors": "sim.observation.sensor",
     "trackers": "tracking.contract",

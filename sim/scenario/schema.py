@@ -33,6 +33,11 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 ROUTES = {"pattern": PatternTable, "legs": LegsTable}
 FROM_OUTSIDE = "; others come with --plugin FILE"
 LAW_GIVEN = ("bank_limit",)  # stands in [autopilot] itself
+DESIGNED = (
+    "Gains of the inner loops and of the route law in SI, as a run writes them into its own scenario.toml. They fly as "
+    "long as 'inputs' is what the scenario asks the design for; otherwise there is a new design, with a remark. "
+    "Without 'inputs' they are frozen and fly whatever else the scenario says."
+)
 
 
 class TrackerTable(BaseModel):
@@ -97,7 +102,7 @@ def file_model(parts: dict[str, Any]) -> type[BaseModel]:
         air=(model_of(AirTable), None),
         aircraft=(model_of(AircraftChoice), None),
         start=(model_of(Start), None),
-        designed=(dict[str, Any] | None, None),
+        designed=(dict[str, Any] | None, Field(default=None, description=DESIGNED)),
         departures=(_entries(Departure), []),
         checks=(_entries(Check), []),
         study=(_optional(StudyTable), None),
@@ -156,8 +161,10 @@ def _model(catalogue: Catalogue, family: str, kind: Any, place: str, faults: lis
     try:
         return MODELS[family](catalogue.load(family, kind), kind)
     except KeyError:
+        retired = bundled.RETIRED.get((family, str(kind)))
         hint = did_you_mean(str(kind), catalogue.kinds(family))
-        faults.append(f"[{place}] kind: no kind '{kind}'; {hint}{'' if 'mean' in hint else FROM_OUTSIDE}")
+        hint = f"write {retired}" if retired else hint if "mean" in hint else hint + FROM_OUTSIDE
+        faults.append(f"[{place}] kind: no kind '{kind}'; {hint}")
     except ScenarioError as error:
         faults.append(f"[{place}] {error}")
     return Any

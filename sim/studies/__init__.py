@@ -2,5 +2,6 @@
 
 ``plan`` lists the flights, ``job`` is one of them in a worker, ``flight_cache`` lets cells share flights, ``folder``
 keeps finished ones; ``study`` runs it. ``metrics`` are its figures for each cell, ``theory`` predicts limits without
-flying; ``figures`` and ``page`` show them. ``bisection`` finds where a figure passes a limit.
+flying; ``figures`` and ``page`` show them. ``bisection`` finds where a figure passes a limit,
+``convergence`` the rate of an aircraft's equations of motion.
 """

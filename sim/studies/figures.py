@@ -26,6 +26,7 @@ OUTCOME_COLOURS = {
     "ground": style.GREY,
     "time_limit": style.LIGHT,
     "crashed": "#FFFFFF",
+    "refused": "#F0E442",
 }
 
 

@@ -22,6 +22,7 @@ import numpy as np
 
 from aircraft.model_files import folder as model_folder
 from aircraft.state import AircraftState, Command
+from aircraft.stock import STOCK_TABLE
 from sim.flight.preparation import Prepared
 from sim.flight.record import Event, Flight
 from sim.versions import versions
@@ -47,7 +48,7 @@ def key(prepared: Prepared, number: int) -> str:
     scenario = prepared.scenario
     tables = {name: table for name, table in scenario.tables.items() if name not in WITHOUT}
     parts = {part.address: part.digest for part in scenario.parts}
-    decides = [tables, number, versions(parts), _code(), _model(scenario.aircraft.model)]
+    decides = [tables, number, versions(parts), _code(), _model(scenario.aircraft.model), prepared.rate]
     return hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()
 
 
@@ -59,11 +60,11 @@ def _code() -> str:
 
 @functools.lru_cache(maxsize=4)
 def _model(name: str) -> str:
-    """Files of a model; those that come with JSBSim are identified by its version."""
+    """Files of a model and the table of stock aircraft; the models of JSBSim are identified by its version."""
     if name == "point_mass":
         return ""
     home = model_folder(name)
-    return _digest(path for suffix in ("xml", "toml") for path in home.rglob(f"*.{suffix}"))
+    return _digest([*(path for suffix in ("xml", "toml") for path in home.rglob(f"*.{suffix}")), STOCK_TABLE])
 
 
 def _digest(paths: Iterable[Path]) -> str:

@@ -17,6 +17,7 @@ from sim.scenario.reading import override
 from sim.studies import flight_cache
 
 CRASHED = "crashed"  # the outcome of a flight that could not be flown to any end
+REFUSED = "refused"  # of one that could not begin: its values make no flight, and the reason says why
 
 
 class Job(NamedTuple):
@@ -36,6 +37,9 @@ def fly(job: Job) -> dict[str, Any]:
     """The record of one flight; a flight that cannot begin is a record too."""
     try:
         prepared = _prepared(json.dumps(job.tables), json.dumps(job.drawn), tuple(job.parts))
+    except ScenarioError as error:
+        return lost(job, str(error), REFUSED)
+    try:
         return _evaluated(job, prepared)
     except ScenarioError as error:
         return lost(job, str(error))
@@ -50,9 +54,9 @@ def _evaluated(job: Job, prepared: Prepared) -> dict[str, Any]:
     return _record(job, metrics, [{key: check[key] for key in kept} for check in found.checks])
 
 
-def lost(job: Job, reason: str) -> dict[str, Any]:
+def lost(job: Job, reason: str, outcome: str = CRASHED) -> dict[str, Any]:
     """The record of a flight without a result."""
-    return _record(job, {"outcome": CRASHED, "reason": reason}, [])
+    return _record(job, {"outcome": outcome, "reason": reason}, [])
 
 
 def with_values(tables: dict[str, Any], values: dict[str, Any]) -> dict[str, Any]:

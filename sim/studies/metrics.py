@@ -28,20 +28,25 @@ def study_metrics(
     study_checks: Sequence[StudyCheck],
 ) -> dict[str, Any]:
     """Axes, rows and checks, as in metrics.json; ``records`` sorted by cell, sample and flight."""
-    crashes = list(dict.fromkeys(r["metrics"]["reason"] for r in records if r["metrics"]["outcome"] == "crashed"))
+    why = {"crashes": reasons(records, "crashed"), "refusals": reasons(records, "refused")}
     cells: dict[int, list[dict[str, Any]]] = {}
     for record in records:
         cells.setdefault(record["cell"], []).append(record)
     return {
         "axes": {one.address: describe(one) for one in axes},
         "outcomes": outcomes(records),
-        **({"crashes": crashes} if crashes else {}),  # why, each reason once
+        **{name: said for name, said in why.items() if said},
         "rows": [row(axes, cells[number]) for number in sorted(cells)],
         "checks": [
             *(share_check(check, records) for check in study_checks),
             *(every_flight(check, i, records) for i, check in enumerate(checks)),
         ],
     }
+
+
+def reasons(records: Sequence[dict[str, Any]], outcome: str) -> list[str]:
+    """Why flights ended like that, each reason once."""
+    return list(dict.fromkeys(r["metrics"]["reason"] for r in records if r["metrics"]["outcome"] == outcome))
 
 
 def describe(axis: Axis) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import Any
 
 from sim.errors import ScenarioError
 from sim.experiment import read
+from sim.flight.gains import INPUTS
 from sim.flight.preparation import prepare
 from sim.scenario.axes import Axis, Listed, cells, samples
 from sim.scenario.model import Scenario
@@ -120,13 +121,18 @@ def _flown_tables(scenario: Scenario) -> dict[str, Any]:
 
 
 def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
-    """The tables of every cell with its gains, designed once for all cells that share a design."""
+    """The tables of every cell with its gains, designed once for all cells that share a design.
+
+    They are frozen: what a sample of the cell draws changes no gain. A cell that cannot be designed keeps its tables,
+    and its flights say why; raises ``ScenarioError`` where none can.
+    """
     base = _flown_tables(planned.scenario)
     design = functools.cache(_designed)
-    found = []
+    found: list[dict[str, Any]] = []
+    refused = []
     for values in planned.cells:
         tables = with_values(base, values)
-        if "designed" not in tables:
+        if INPUTS in tables.get("designed", {INPUTS: None}):
             kept = {name: value for name, value in tables.items() if name not in UNDESIGNED}
             quickness = {"autopilot": {k: v for k, v in kept.get("autopilot", {}).items() if k != "frequency_share"}}
             key = json.dumps({**kept, **quickness})  # how quick the law is changes no gain of the inner loops
@@ -134,8 +140,10 @@ def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
                 tables = {**tables, "designed": design(key, planned.parts)}
             except ScenarioError as error:
                 where = ", ".join(f"{address} = {value}" for address, value in values.items())
-                raise ScenarioError(f"{planned.scenario.name}: with {where or 'these values'}: {error}") from None
+                refused.append(f"{planned.scenario.name}: with {where or 'these values'}: {error}")
         found.append(tables)
+    if len(refused) == len(found):
+        raise ScenarioError(refused[0])
     return tuple(found)
 
 

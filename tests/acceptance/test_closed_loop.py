@@ -30,7 +30,7 @@ from tracking.trackers.saturated_control import SaturatedControl
 pytestmark = pytest.mark.acceptance
 SEED = 3001
 # 80 of 80 leave at least 0.95 at the lower end of the interval
-FLIGHTS = {"route_control": 80, "saturated_control": 80, "imm": 12, "linear_feedback": 4, "truth": 1}
+FLIGHTS = {"saturated_control": 80, "imm": 12, "linear_feedback": 4, "truth": 1}
 BOX = 21.0 - 0.5 * 7.9  # m off the centreline that keep the outer main wheel within 21 m
 
 
@@ -71,13 +71,13 @@ def in_box(figure):
     return figure["outcome"] == "landed" and abs(figure["touchdown"]["cross_track_m"]) <= BOX
 
 
-@pytest.mark.parametrize("navigation", ["route_control", "saturated_control", "imm", "truth"])
+@pytest.mark.parametrize("navigation", ["saturated_control", "imm", "truth"])
 def test_talk_down(row, navigation):
     count = FLIGHTS[navigation]
     scenario, _, figures, anees = approaches("an26_talkdown", navigation, count)
     share = proportion(sum(map(in_box, figures)), count)
     outcomes = dict(Counter(m["outcome"] for m in figures))
-    law_aware = navigation in ("route_control", "saturated_control")
+    law_aware = navigation == "saturated_control"
     asked = ">= 0.95 at the lower end" if law_aware else "shown"
     row(
         f"talk-down on {navigation}, {count} flights: P(60-823 m, outer wheel within 21 m)",

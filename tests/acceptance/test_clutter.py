@@ -29,9 +29,7 @@ from tracking.trackers.huber import Huber
 from tracking.trackers.imm import InteractingMultipleModel, improved_set, published_set
 from tracking.trackers.intent_imm import IntentImm
 from tracking.trackers.kalman import Kalman
-from tracking.trackers.law_ekf import LawEkf
 from tracking.trackers.linear_feedback import LinearFeedback
-from tracking.trackers.route_control import RouteControl
 from tracking.trackers.saturated_control import SaturatedControl
 from tracking.trackers.switching_noise import SwitchingNoise
 
@@ -159,9 +157,7 @@ def test_base_turn_and_final_in_the_plane(row):
         "IMM, improved set": InteractingMultipleModel(PLOTS, improved_set()),
         "linear feedback": LinearFeedback(**told),
         "saturated control": SaturatedControl(**told),
-        "EKF that knows the law": LawEkf(**told),
-        "route control, known control": RouteControl(**told),
-        "route control, Jacobian": RouteControl(**told, covariance="jacobian"),
+        "saturated control, Jacobian": SaturatedControl(**told, covariance="jacobian"),
         "intent IMM": IntentImm(**told),
     }
     density = clutter_density(FALSE_ALARMS, R[..., 0])

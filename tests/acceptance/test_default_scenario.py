@@ -28,7 +28,7 @@ from tracking.intervals import gain
 
 pytestmark = pytest.mark.acceptance
 SEEDS = (5001, 5002, 5003)
-TRACKERS = ("route_control", "intent_imm")
+TRACKERS = ("saturated_control", "intent_imm")
 
 
 @cache

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from aircraft.airframe import load
+from aircraft.data import data
 from aircraft.trim import trim
 from autopilot.analysis import BankReference, predict_kinematic, predict_limited, predict_linear
 from sim.experiment import fly
@@ -23,6 +24,7 @@ from sim.scenario.reading import read
 
 pytestmark = pytest.mark.acceptance
 SEEDS = range(1001, 1021)  # not the seeds on which anything was designed
+SPREAD = 82.1  # m, of the touchdowns on these seeds before the flare was closed on the height of the wheels
 
 
 @cache
@@ -47,10 +49,36 @@ def test_trim(row, speed, flaps, gear, glide):
     assert found.residual < 1e-6
 
 
+def over_stall(down, mass):
+    return down["airspeed_mps"] / data("an26").stall_speed(math.radians(38.0), mass)
+
+
+@pytest.mark.parametrize("mass", [16000, 18000, 20000, 22000, 24000])
+def test_landing_at_every_mass(row, mass):
+    m = figures("an26_pattern", ("aircraft.mass_kg", float(mass)), ("start.phase", "final"))
+    down = m["touchdown"]
+    margin = over_stall(down, mass)
+    met = (
+        m["outcome"] == "landed"
+        and down["main_first"] == 1
+        and down["pitch_deg"] > 0
+        and 1.1 <= margin <= 1.25
+        and 350 <= down["past_threshold_m"] <= 600
+        and down["sink_mps"] <= 0.8
+    )
+    told = (
+        f"{m['outcome']}; pitch {down['pitch_deg']:.2f} deg, {margin:.2f} Vs, {down['past_threshold_m']:.0f} m, "
+        f"{down['sink_mps']:.2f} m/s"
+    )
+    row(f"landing at {mass} kg, calm", "pitch > 0; 1.10-1.25 Vs; 350-600 m; <= 0.8 m/s", told, met)
+    assert met
+
+
 @pytest.mark.parametrize("name", ["an26_pattern", "an26_pattern_right"])
 def test_pattern_calm(row, name):
     m = figures(name)
     down = m["touchdown"]
+    margin = over_stall(down, 20000)
     rows = [
         ("bank, deg", "<= 16.1", m["bank_max_deg"], m["bank_max_deg"] <= 16.1),
         ("base overshoot, m", "<= 5", m["base_overshoot_m"], m["base_overshoot_m"] <= 5),
@@ -70,6 +98,9 @@ def test_pattern_calm(row, name):
         ),
         ("touchdown off the centreline, m", "<= 2", down["cross_track_m"], abs(down["cross_track_m"]) <= 2),
         ("touchdown sink, m/s", "<= 0.8", down["sink_mps"], down["sink_mps"] <= 0.8),
+        ("touchdown pitch, deg", "> 0", down["pitch_deg"], down["pitch_deg"] > 0),
+        ("main wheels first", "1", down["main_first"], down["main_first"] == 1),
+        ("touchdown airspeed over the stall", "1.10-1.25", margin, 1.1 <= margin <= 1.25),
     ]
     for what, asked, value, met in rows:
         row(f"{name}: {what}", asked, f"{value:.3g}", met)
@@ -89,6 +120,8 @@ def test_pattern_in_wind(row, direction):
         and 60 <= down["past_threshold_m"] <= 823
         and abs(down["crab_deg"]) <= 5
         and abs(down["drift_mps"]) <= 1.5
+        and down["pitch_deg"] > 0
+        and down["main_first"] == 1
     )
     told = (
         f"{m['outcome']}; {m['base_overshoot_m']:.1f}, {m['overshoot_m']:.1f} m; {down['past_threshold_m']:.0f} m, "
@@ -109,7 +142,11 @@ def test_pattern_in_turbulence(row):
     bank = max(m["bank_max_deg"] for m in all_of_them)
     height = max(m["height_error_rms_final_m"] for m in landed)
     sinks = sorted(m["touchdown"]["sink_mps"] for m in landed)
+    nose = min(m["touchdown"]["pitch_deg"] for m in landed)
+    spread = float(np.std([m["touchdown"]["past_threshold_m"] for m in landed]))
     rows = [
+        ("lowest pitch at touchdown, deg", "> 0", f"{nose:.2f}", nose > 0),
+        ("touchdown along the runway, m, standard deviation", "<= 82", f"{spread:.0f}", spread <= SPREAD),
         ("landed of 20", "20", f"{len(landed)} {sorted(set(outcomes))}", len(landed) == 20),
         ("bank, deg", "<= 19", f"{bank:.2f}", bank <= 19),
         ("worst height error, m rms", "<= 5", f"{height:.2f}", height <= 5),

@@ -16,6 +16,8 @@ from sim.flight.preparation import prepare
 from sim.metrics.flight import flight_metrics
 from sim.scenario.reading import read
 from sim.studies.bisection import find_limit
+from sim.studies.study import study
+from sim.workers.executors import LocalExecutor
 
 pytestmark = pytest.mark.acceptance
 SHARE, OFFSET = "autopilot.frequency_share", "start.cross_track_m"
@@ -154,3 +156,39 @@ def test_cycle_that_takes_long_to_settle(row, bank, share):
     begun = (OFFSET, said.cross_track), ("autopilot.bank_limit_deg", bank)
     what = f"bank limit {bank:.0f} deg, wz/wb = {share}, 5 deg/s, from {said.cross_track:.0f} m"
     compared(row, what, said, flown((SHARE, share), *begun, *LONG))
+
+
+@pytest.mark.parametrize("name", ["bank_and_roll", "bank_and_roll_a320"])
+def test_no_designed_law_swings(row, tmp_path, name):
+    """Bank limit by roll-rate limit by crosswind, 80 flights from the base leg to the ground."""
+    found = study(name, tmp_path / "o", LocalExecutor(2))
+    rows = found["rows"]
+    flown = [one for one in rows if "refused" not in one["outcomes"]]
+    rms = {cell_of(one): one["cross_track_rms_final_m"]["p50"] for one in flown if "cross_track_rms_final_m" in one}
+    worst = max(rms, key=lambda cell: rms[cell])
+    told = f"{rms[worst]:.2f} m at {worst}; {len(rms)} of {len(flown)} flown"
+    calm = len(rms) == len(flown) and rms[worst] < 5.0
+    row(f"{name}: cross-track on final, RMS of the worst cell", "< 5 m", told, calm)
+
+    settled = sum("settling_s" in one for one in flown)
+    landed = sum(one["outcomes"].get("landed", 0) for one in rows)
+    told = f"{settled} of {len(rows)} settle, {landed} land, {len(rows) - len(flown)} are refused"
+    row(f"{name}: fly and settle on final", ">= 85 %", told, settled >= 0.85 * len(rows))
+
+    (thirty,) = (one for one in rows if cell_of(one) == "30 deg, 5 deg/s, 0 m/s")
+    told = f"{thirty['outcomes']}, overshoot {thirty['overshoot_m']['p50']:.2f} m"
+    row(f"{name}: bank limit 30 deg in calm air", "lands", told, thirty["outcomes"] == {"landed": 1})
+
+    reasons = found.get("refusals", [])
+    named = [why for why in reasons if "sustain an oscillation" in why or "its turns need" in why]
+    told = f"{len(named)} of {len(reasons)}: {reasons[0] if reasons else 'none is refused'}"
+    row(f"{name}: refusals that name the crossing or the leg", "all", told, len(named) == len(reasons))
+    assert calm
+    assert settled >= 0.85 * len(rows)
+    assert thirty["outcomes"] == {"landed": 1}
+    assert len(named) == len(reasons)
+
+
+def cell_of(one):
+    bank, roll = (one[f"autopilot.{name}"] for name in ("bank_limit_deg", "roll_rate_limit_degps"))
+    return f"{bank} deg, {roll} deg/s, {one['wind.speed_mps']} m/s"

@@ -45,12 +45,15 @@ def test_flights(row, tmp_path):
         low, middle, high = np.percentile(values, [5, 50, 95])
         told = f"{low:.2f}, {middle:.2f}, {high:.2f}; worst {worst(values):.2f}"
         row(f"uncertain An-26: {figure}: 5, 50, 95 % of the flights", "reported", told, True)
+    nose = [m["touchdown"]["pitch_deg"] for m in landed]
+    row("uncertain An-26: lowest pitch at touchdown, deg", "> 0", f"{min(nose):.2f}", min(nose) > 0)
     overshoot = max(m["overshoot_m"] for m in metrics)
     row("uncertain An-26: largest overshoot onto final, m", "reported", f"{overshoot:.1f}", True)
     for number, m in enumerate(metrics):
         if m["outcome"] != "landed":
             row(f"uncertain An-26: flight {number}", "explained", f"{m['outcome']}: {m['reason']}", True)
     assert share >= 0.95
+    assert min(nose) > 0
 
 
 @cache

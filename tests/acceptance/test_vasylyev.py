@@ -43,9 +43,7 @@ from tracking.motion import ConstantVelocity
 from tracking.reference_path import Line
 from tracking.trackers.intent_imm import IntentImm
 from tracking.trackers.kalman import Kalman
-from tracking.trackers.law_ekf import LawEkf
 from tracking.trackers.linear_feedback import LinearFeedback
-from tracking.trackers.route_control import RouteControl
 from tracking.trackers.saturated_control import SaturatedControl
 
 pytestmark = pytest.mark.acceptance
@@ -64,7 +62,7 @@ def saturated(density=0.1, law=NOMINAL, line=LINE):
 
 
 def ekf(density=0.1, law=NOMINAL, line=LINE):
-    return LawEkf(law, line, CROSS_TRACK, density)
+    return SaturatedControl(law, line, CROSS_TRACK, density, covariance="jacobian")
 
 
 def capture(start, seed, runs=600, density=0.1, period=PERIOD):
@@ -255,18 +253,17 @@ def test_intent_imm_in_the_ten_scenarios(space):
 
 
 @pytest.mark.parametrize("density", [0.1, 0.3])
-def test_route_control_through_the_turn(density):
-    """Known control at most 45 / 50 / 35 m on base, turn and final; the others beside it, and on noise-free truth."""
-    print(f"\nRoute control, base to final at 69 m/s, isotropic 100 m, 4 s, filter q {density}: RMSE m, 500 runs")
+def test_saturated_control_through_the_turn(density):
+    """The paper's covariance at most 45 / 50 / 35 m on base, turn and final; beside it the others, and no noise."""
+    print(f"\nSaturated control, base to final at 69 m/s, isotropic 100 m, 4 s, filter q {density}: RMSE m, 500 runs")
     for noise in (density, 0.0):
         rng = np.random.default_rng([85, round(100 * density), round(100 * noise)])
         flown = route_truth(PATTERN_LAW, BASE_TO_FINAL, BASE_START, 224.0, rng, 500, noise)
         masks = phases(BASE_TO_FINAL, flown)
         trackers = {
-            "known control": RouteControl(PATTERN_LAW, BASE_TO_FINAL, PLANE, "known_control", density),
-            "jacobian": RouteControl(PATTERN_LAW, BASE_TO_FINAL, PLANE, "jacobian", density),
+            "paper": SaturatedControl(PATTERN_LAW, BASE_TO_FINAL, PLANE, density),
+            "jacobian": SaturatedControl(PATTERN_LAW, BASE_TO_FINAL, PLANE, density, covariance="jacobian"),
             "intent IMM": IntentImm(PATTERN_LAW, BASE_TO_FINAL, PLANE),
-            "saturated control": SaturatedControl(PATTERN_LAW, BASE_TO_FINAL, PLANE, density, sub_step=0.5),
             "linear feedback": LinearFeedback(PATTERN_LAW, BASE_TO_FINAL, PLANE, density, sub_step=0.5),
             "constant velocity 3": UNIFORM_ON_LEG[1],
         }
@@ -276,7 +273,7 @@ def test_route_control_through_the_turn(density):
             found = {phase: math.sqrt((across[mask] ** 2).mean()) for phase, mask in masks.items()}
             row = "".join(f"{phase} {value:6.1f}  " for phase, value in found.items())
             print(f"  truth q {noise:3.1f}  {name:20s} {row} ANEES {result.nees().mean():6.2f}")
-            if name == "known control":
+            if name == "paper":
                 assert found["base"] <= 45.0
                 assert found["turn"] <= 50.0
                 assert found["final"] <= 35.0
@@ -284,12 +281,14 @@ def test_route_control_through_the_turn(density):
 
 @pytest.mark.parametrize("density", [0.1, 0.3])
 def test_talk_down(density):
-    """Flown on the estimate: known control has ANEES 0.6 to 1.2, the slope of the law fails that by far."""
+    """Flown on the estimate: the known control has ANEES 0.6 to 1.2, the slope of the law fails that by far."""
     known, slope = (
-        talk_down(RouteControl(PATTERN_LAW, BASE_TO_FINAL, PLANE, form, density), 87, 200, density=density)
-        for form in ("known_control", "jacobian")
+        talk_down(
+            SaturatedControl(PATTERN_LAW, BASE_TO_FINAL, PLANE, density, covariance=form), 87, 200, density=density
+        )
+        for form in ("paper", "jacobian")
     )
-    print(f"\nTalk-down, q {density}, 200 runs: ANEES known control {known:.2f}, jacobian {slope:.0f}")
+    print(f"\nTalk-down, q {density}, 200 runs: ANEES paper {known:.2f}, jacobian {slope:.0f}")
     assert 0.6 <= known <= 1.2
     assert not 0.6 <= slope <= 1.2
 
@@ -318,8 +317,8 @@ def test_told_wrongly_on_the_pattern():
     intent = {}
     for name, law in told.items():
         trackers = {
-            "known control": RouteControl(law, BASE_TO_FINAL, PLANE),
-            "jacobian": RouteControl(law, BASE_TO_FINAL, PLANE, "jacobian"),
+            "paper": SaturatedControl(law, BASE_TO_FINAL, PLANE),
+            "jacobian": SaturatedControl(law, BASE_TO_FINAL, PLANE, covariance="jacobian"),
             "intent IMM": IntentImm(law, BASE_TO_FINAL, PLANE),
         }
         found = {kind: errors(tracker, flown.x, 89) for kind, tracker in trackers.items()}

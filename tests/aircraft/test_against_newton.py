@@ -6,15 +6,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from aircraft.airframe import RATE, load
+from aircraft.airframe import load
 from aircraft.point_mass import PointMass
 from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
+
+RATE = 120  # Hz
 
 
 def manoeuvre(steady, model, airspeed, flaps_deg, wind):
     """20 s at 120 Hz from a trim, with the aileron, rudder and elevator stirred."""
     start = steady(model, airspeed, flaps_deg=flaps_deg, gear=1.0)
-    airframe = load(model)
+    airframe = load(model, rate=RATE)
     airframe.begin(start.at(0.0, 0.0, 600.0, 0.7), wind)
     trimmed = start.controls
     record = []

@@ -4,8 +4,10 @@ import pickle
 import numpy as np
 import pytest
 
-from aircraft.airframe import EARTH_RADIUS, FlightError, Runway, load
-from aircraft.state import STANDARD_GRAVITY, Controls
+from aircraft import loading, model_files
+from aircraft.airframe import EARTH_RADIUS, FlightError, InitialCondition, Runway, load
+from aircraft.landing_gear import contacts
+from aircraft.state import MAIN_WHEEL, NOSE_WHEEL, STANDARD_GRAVITY, TAIL, WING_TIP, Controls
 from aircraft.wind import SteadyWind
 
 
@@ -207,7 +209,7 @@ def test_an_airframe_flies_once_and_begins_above_the_ground(steady):
     with pytest.raises(FlightError, match="finite"):
         airframe.begin(start._replace(airspeed=math.nan))
     airframe.begin(start)
-    airframe.step(start.controls)
+    airframe.step(start.controls, 4)
     with pytest.raises(FlightError, match="flies once"):
         airframe.begin(start)
 
@@ -224,3 +226,87 @@ def test_a_read_on_the_way_changes_nothing(steady):
         ends.append(airframe.read())
     assert ends[0] == ends[1] == ends[2]
     assert np.isfinite(ends[0]).all()
+
+
+@pytest.mark.parametrize(
+    ("pitch_deg", "bank_deg", "first"),
+    [
+        (3.0, 0.0, MAIN_WHEEL),
+        (-3.0, 0.0, NOSE_WHEEL),
+        (12.0, 0.0, TAIL),
+        (0.0, 25.0, WING_TIP),
+    ],
+)
+def test_what_touches_first_is_told_by_the_attitude(pitch_deg, bank_deg, first):
+    """Dropped by 5 cm, nearly standing: the part that the geometry has lowest, in one step of the motion."""
+    pitch, bank = math.radians(pitch_deg), math.radians(bank_deg)
+    source = model_files.read("an26")
+    aft, up = loading.centre_of_gravity(source)
+    depth = max(
+        (point.x - aft) * math.sin(pitch)
+        + (point.y * math.sin(bank) - (point.z - up) * math.cos(bank)) * math.cos(pitch)
+        for _, _, point in contacts(source)
+    )
+    airframe = load("an26")
+    controls = Controls(0.0, 0.0, 0.0, 0.0, math.radians(38.0), 1.0)
+    state = airframe.begin(InitialCondition(0.0, 0.0, depth + 0.05, 0.0, pitch, bank, 5.0, pitch, 0.0, controls))
+    steps = 0
+    while not state.first_contact:
+        steps += 1
+        assert steps < 30
+        airframe.step(controls, 1)
+        state = airframe.read()
+    assert steps > 5  # 5 cm of free fall take 0.1 s
+    assert state.first_contact == state.touched == first
+
+
+def test_the_order_of_contacts_is_kept_through_a_long_step():
+    """Nose and main wheels all down within one step of the loop: the nose wheel was first."""
+    airframe = load("an26")
+    controls = Controls(0.0, 0.0, 0.0, 0.0, math.radians(38.0), 1.0)
+    state = airframe.begin(InitialCondition(0.0, 0.0, 2.9, 0.0, math.radians(-1.0), 0.0, 5.0, 0.0, 0.0, controls))
+    airframe.step(controls, 120)
+    state = airframe.read()
+    assert state.first_contact == NOSE_WHEEL
+    assert state.touched == NOSE_WHEEL + MAIN_WHEEL
+
+
+def test_contacts_far_from_the_ground_cost_nothing_and_change_nothing(steady, monkeypatch):
+    """The same bytes in the air, and a belly landing that is felt: the contacts are back before anything can touch."""
+    start = steady("an26", 62.0, flaps_deg=15.0).at(0.0, 0.0, 70.0, 0.3)
+    records = {}
+    for name, reach in (("left_out", None), ("always", math.inf)):
+        airframe = load("an26")
+        if reach is not None:
+            airframe._reach = reach
+        state, record, looked = airframe.begin(start), [], []
+        while state.time < 12.0:
+            airframe.step(start.controls._replace(elevator=-0.1, throttle=0.0), 4)
+            state = airframe.read()
+            record.append(state)
+            looked.append((state.height, airframe._executive["simulation/models/FGGroundReactions/enabled"]))
+        records[name] = record
+    assert looked[0][1] == 1.0  # always
+    assert records["left_out"] == records["always"]
+    assert min(state.height for state in record) < 3.0
+    assert min(state.specific_force_down for state in record) < -1.5  # it hit the ground, on its belly: the gear is up
+
+
+def test_contacts_are_left_out_in_the_air_only(steady):
+    start = steady("an26", 62.0, flaps_deg=15.0).at(0.0, 0.0, 70.0, 0.3)
+    airframe = load("an26")
+    state, looked = airframe.begin(start), []
+    while state.height > 20.0:
+        airframe.step(start.controls._replace(elevator=-0.1, throttle=0.0), 4)
+        state = airframe.read()
+        looked.append((state.height, airframe._executive["simulation/models/FGGroundReactions/enabled"]))
+    assert all(on == 0.0 for height, on in looked if height > 40.0)
+    assert all(on == 1.0 for height, on in looked if height < 25.0)
+
+
+def test_one_long_step_to_the_ground_finds_it(steady):
+    start = steady("an26", 62.0, flaps_deg=15.0).at(0.0, 0.0, 70.0, 0.3)
+    airframe = load("an26")
+    airframe.begin(start)
+    airframe.step(start.controls._replace(elevator=-0.1, throttle=0.0), 1440)
+    assert airframe.read().height > -1.0  # the ground carries it

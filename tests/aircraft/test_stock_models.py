@@ -10,12 +10,12 @@ import pytest
 
 from aircraft.airframe import InitialCondition, load
 from aircraft.data import data
-from aircraft.landing_gear import main_wheels
+from aircraft.landing_gear import contacts, main_wheels, touchdown_pitch
 from aircraft.linearise import linearise
 from aircraft.model_files import ModelError, read, stock_root
 from aircraft.modes import modes
 from aircraft.slowest import complete, slowest
-from aircraft.state import Controls
+from aircraft.state import MAIN_WHEEL, NOSE_WHEEL, TAIL, TAIL_WHEEL, WING_TIP, Controls
 from aircraft.trim import TrimError, trim
 
 # approach conditions: knots, share of full flaps
@@ -184,7 +184,7 @@ def test_a_trimmed_propeller_aircraft_keeps_its_speed(model, speed):
     state = airframe.begin(steady.initial)
     assert state.time == 0.0
     for _ in range(90):
-        airframe.step(steady.controls)
+        airframe.step(steady.controls, round(airframe.rate / 30))
     after = airframe.read()
     assert after.time == pytest.approx(3.0, abs=0.01)
     assert after.airspeed == pytest.approx(speed, abs=1e-3)  # the residual of 1e-6 m/s2 over 3 s, and its growth
@@ -212,3 +212,19 @@ def test_flap_settings_without_a_data_file_fall_with_the_flaps():
 def test_a_model_that_cannot_trim_fails_with_one_sentence():
     with pytest.raises(TrimError, match="ball"):
         trim(load("ball"), 50.0)
+
+
+@pytest.mark.parametrize(
+    ("model", "parts", "lowest", "highest"),
+    [
+        ("c172x", [NOSE_WHEEL, MAIN_WHEEL, MAIN_WHEEL, TAIL, WING_TIP, WING_TIP], 1.36, 11.52),
+        ("J3Cub", [TAIL_WHEEL, MAIN_WHEEL, MAIN_WHEEL, WING_TIP, WING_TIP], -90.0, 12.10),
+        ("B747", [NOSE_WHEEL, MAIN_WHEEL, MAIN_WHEEL], -0.49, 90.0),
+        ("dr1", [MAIN_WHEEL, MAIN_WHEEL, TAIL_WHEEL, TAIL, TAIL, *[WING_TIP] * 4], -90.0, 16.31),
+    ],
+)
+def test_parts_are_told_by_their_places(model, parts, lowest, highest):
+    """Angles by hand from the inches of the model's file: c172x, nose 1.54 in lower, 65 in ahead of the main wheels."""
+    source = read(model)
+    assert [contact.part for contact in contacts(source)] == parts
+    assert np.degrees(touchdown_pitch(source)) == pytest.approx((lowest, highest), abs=0.01)

@@ -173,12 +173,13 @@ def test_a_course_line_that_is_not_aligned_is_flown_beside_the_runway():
 
 def test_a_glide_path_through_an_elevation_holds_its_height_among_anomalies():
     changes = {"aircraft": {"model": "point_mass"}, "start.distance_m": 4500.0, "until_s": 12.0}
-    errors = {}
-    for navigation in ("two_hypotheses", "kalman"):
-        flight, _ = approach("an26_mls_anomalies", navigation, **changes)
-        seen = flight.command.height - flight.state.height  # the error of the height that the autopilot sees
-        errors[navigation] = float(np.std(np.diff(seen)))
-    assert errors["two_hypotheses"] < 0.2 * errors["kalman"]
+    errors = {"two_hypotheses": [], "kalman": []}
+    for navigation, found in errors.items():
+        for seed in (1, 2, 3):
+            flight, _ = approach("an26_mls_anomalies", navigation, **changes, seed=seed)
+            seen = flight.command.height - flight.state.height  # the error of the height that the autopilot sees
+            found.append(np.std(np.diff(seen)))
+    assert np.median(errors["two_hypotheses"]) < 0.2 * np.median(errors["kalman"])
 
 
 # ---- bad input ---------------------------------------------------------------------------------------------------
@@ -238,7 +239,7 @@ def test_a_radar_on_the_route_is_flown_over(radar):
 
 def test_no_measurement_at_all_is_no_figure_and_no_error():
     blind = {"blind": {"kind": "precision_radar", "coverage_m": 10}}
-    result = sim.run({**LINE, "sensors": blind, "trackers": {"t": {"kind": "route_control"}}})
+    result = sim.run({**LINE, "sensors": blind, "trackers": {"t": {"kind": "saturated_control"}}})
     assert result.metrics["trackers"]["t"]["overall"] == {}
     said = [
         "sensor 'blind' never saw the aircraft",
@@ -253,8 +254,8 @@ def test_no_measurement_at_all_is_no_figure_and_no_error():
 
 def test_a_navigating_tracker_that_sees_nothing_flies_on_its_prior():
     blind = {"blind": {"kind": "precision_radar", "coverage_m": 10}}
-    tables = {**LINE, "draws": 1, "sensors": blind, "trackers": {"t": {"kind": "route_control"}}}
-    result = sim.run({**tables, "autopilot": {"navigation": "t"}})
+    blinded = {**LINE, "seed": 3, "draws": 1, "sensors": blind, "trackers": {"t": {"kind": "saturated_control"}}}
+    result = sim.run({**blinded, "autopilot": {"navigation": "t"}})  # a seed of a prior that is far out, and inwards
     assert result.metrics["flight"]["outcome"] == "completed"
     start = _straight(AircraftState(*(float(column[0]) for column in result.flight.state)), result.flight.route)
     wrong = prior(start, result.scenario.sensors, ("east", "east_rate"), 0.0, result.scenario.seed, 0, 1).mean[:, 0]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import zlib
+
 import numpy as np
 
 from sim import randomness
@@ -27,6 +29,13 @@ def test_seed_flight_draw_and_name_each_change_the_numbers():
     addresses = [(1, 0, 0, "a"), (2, 0, 0, "a"), (1, 1, 0, "a"), (1, 0, 1, "a"), (1, 0, 0, "b")]
     first = {address: stream(*address).standard_normal() for address in addresses}
     assert len(set(first.values())) == len(addresses)
+
+
+def test_two_names_with_one_checksum_of_32_bits_have_noise_of_their_own():
+    names = "spare_main_array_12.noise", "river_upper_beacon_29.noise"
+    assert len({zlib.crc32(name.encode()) for name in names}) == 1  # by search
+    a, b = (stream(1, 0, 0, name).standard_normal(1000) for name in names)
+    assert not np.isin(a, b).any()
 
 
 def test_independent_streams_do_not_correlate():

@@ -35,7 +35,6 @@ from tracking.motion import ConstantVelocity
 from tracking.reference_path import Line
 from tracking.trackers.intent_imm import IntentImm
 from tracking.trackers.kalman import Kalman
-from tracking.trackers.law_ekf import LawEkf
 from tracking.trackers.saturated_control import SaturatedControl
 
 EXACT = ("exact outside", "exact inside")
@@ -122,7 +121,7 @@ def test_follows_the_pattern_through_the_turn():
 def test_certain_of_one_law_it_is_the_filter_of_that_law():
     """With the other modes ruled out and no switching the merged estimate is the extended Kalman filter's."""
     tracker = IntentImm(NOMINAL, LINE, CROSS_TRACK, limit_factors=(1.0,), mean_stay=1e30, sub_step=0.5)
-    alone = LawEkf(NOMINAL, LINE, CROSS_TRACK, sub_step=0.5)
+    alone = SaturatedControl(NOMINAL, LINE, CROSS_TRACK, sub_step=0.5, covariance="jacobian")
     start = Gaussian(np.array([3000.0, 0.0]), np.diag([1e4, 25.0]))
     state = tracker.begin(start)
     state = state._replace(mixture=state.mixture._replace(weights=np.array([1.0, 0.0, 0.0])))

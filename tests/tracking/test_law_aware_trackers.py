@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -27,26 +28,26 @@ from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.reference_path import Legs, Line
 from tracking.track import track
 from tracking.trackers.intent_imm import IntentImm
-from tracking.trackers.law_ekf import LawEkf
 from tracking.trackers.linear_feedback import LinearFeedback
-from tracking.trackers.route_control import RouteControl
 from tracking.trackers.saturated_control import SaturatedControl
 
 RUNS = 3
 APPROACH = Line(100.0, 20e3)
 BEACON = RadioBeacon(6.0, 1.2, math.radians(15.0), math.radians(5.0))
-TWO_STATE = (LinearFeedback, SaturatedControl, LawEkf, IntentImm)
+KINDS = {
+    "LinearFeedback": LinearFeedback,
+    "SaturatedControl": SaturatedControl,
+    "SaturatedControl, jacobian": partial(SaturatedControl, covariance="jacobian"),
+    "IntentImm": IntentImm,
+}
 
 
 def on_line(law):
-    return {f"{kind.__name__} on a line": kind(law, APPROACH, CROSS_TRACK, sub_step=0.5) for kind in TWO_STATE}
+    return {f"{name} on a line": kind(law, APPROACH, CROSS_TRACK, sub_step=0.5) for name, kind in KINDS.items()}
 
 
 def on_route(law):
-    found = {f"{kind.__name__} on a route": kind(law, BASE_TO_FINAL, PLANE, sub_step=0.5) for kind in TWO_STATE}
-    for form in ("known_control", "jacobian"):
-        found[f"RouteControl {form}"] = RouteControl(law, BASE_TO_FINAL, PLANE, form)
-    return found
+    return {f"{name} on a route": kind(law, BASE_TO_FINAL, PLANE, sub_step=0.5) for name, kind in KINDS.items()}
 
 
 TRACKERS = {
@@ -140,7 +141,7 @@ def moved_by(matrix, shift):
     return of_state, of_route, big
 
 
-@pytest.mark.parametrize("name", ["LinearFeedback", "SaturatedControl", "LawEkf", "IntentImm", "known", "jacobian"])
+@pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("mirror", [False, True], ids=["turned", "mirrored"])
 def test_the_map_does_not_matter(name, mirror, truths):
     """Turned by 37 deg and moved, or mirrored, data and route give the turned or mirrored estimate.
@@ -151,9 +152,7 @@ def test_the_map_does_not_matter(name, mirror, truths):
     turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
     matrix, shift = (np.diag([1.0, -1.0]), np.zeros(2)) if mirror else (turn, np.array([3000.0, -8000.0]))
     of_state, of_route, big = moved_by(matrix, shift)
-    tracker = on_route(PATTERN_LAW).get(f"{name} on a route") or RouteControl(
-        PATTERN_LAW, BASE_TO_FINAL, PLANE, "known_control" if name == "known" else "jacobian"
-    )
+    tracker = on_route(PATTERN_LAW)[f"{name} on a route"]
     start, measured = observed(tracker, truths)
     here = track(tracker, measured, start, start=0.0)
     z = np.einsum("ij,kj...->ki...", matrix, measured.z) + shift[:, None]
@@ -183,7 +182,7 @@ def test_the_first_leg_is_the_one_that_the_prior_flies():
 
 def test_every_run_takes_the_turn_by_its_own_estimate():
     """Two runs 400 m apart along the base leg change to the final 400 m / 69 m/s apart."""
-    tracker = RouteControl(PATTERN_LAW, BASE_TO_FINAL, PLANE)
+    tracker = SaturatedControl(PATTERN_LAW, BASE_TO_FINAL, PLANE)
     mean = np.array([[-13500.0, -13500.0], [0.0, 0.0], [-3000.0, -3400.0], [69.0, 69.0]])
     state = tracker.begin(Gaussian(mean, np.diag([1e4, 25.0, 1e4, 25.0])))
     switched = [None, None]

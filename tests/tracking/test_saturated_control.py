@@ -30,7 +30,6 @@ from tracking.gaussian import Gaussian
 from tracking.motion import constant_velocity, van_loan
 from tracking.reference_path import Line
 from tracking.trackers.kalman import Kalman
-from tracking.trackers.law_ekf import LawEkf
 from tracking.trackers.linear_feedback import LinearFeedback
 from tracking.trackers.saturated_control import SaturatedControl
 
@@ -186,7 +185,8 @@ def test_consistency_inside_the_limits(inside):
 
     120 runs of 45 scans, a third of them independent: sampling error 0.025.
     """
-    ours, exact, folded = (errors(t, inside, 6) for t in (saturated(), LawEkf(NOMINAL, LINE, CROSS_TRACK), linear()))
+    jacobian = SaturatedControl(NOMINAL, LINE, CROSS_TRACK, covariance="jacobian")
+    ours, exact, folded = (errors(t, inside, 6) for t in (saturated(), jacobian, linear()))
     assert ours.position_nse()[30:].mean() == pytest.approx(0.53, abs=0.05)
     assert ours.nees()[30:].mean() == pytest.approx(0.94, abs=0.06)
     for consistent in (exact, folded):

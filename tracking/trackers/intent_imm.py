@@ -11,16 +11,17 @@ import numpy as np
 from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
 from tracking.measurement import MeasurementModel
 from tracking.reference_path import (
+    SUB_STEP,
     Law,
-    Line,
     PathState,
     ReferencePath,
     check_tuning,
     reference_path,
     sub_steps,
     uniform,
+    without_roll,
 )
-from tracking.trackers import law_ekf, route_control
+from tracking.trackers import saturated_control
 
 MANUAL = "manual"  # the intent of free flight
 
@@ -60,9 +61,9 @@ class IntentImm:
 
     Far from the path all that shows of a law is the course at which it intercepts, which the position limit sets (z_max
     of [Vasylyev 2003, eq. (4)], the bearing limit of eq. (5)). So the bank of laws varies that limit alone, and the
-    model probabilities say which limit is flown, and whether any law is. On a line the laws move as in `law_ekf`, on a
-    route as in `route_control` with the slope of the law, so an aircraft that is flown on the estimate itself is a case
-    for `route_control` with the control as known, not for this tracker.
+    model probabilities say which limit is flown, and whether any law is. The laws move as in `saturated_control` with
+    the slope of the law in the covariance, so an aircraft that is flown on the estimate itself is a case for
+    `saturated_control` with the control as known, not for this tracker.
 
     The alternative laws are those that the autopilot could be switched to: the beacon law where the assumed one is a
     route law. With them the tracker also says who is flying (`intents`): the assumed law, another one, or the crew by
@@ -84,7 +85,7 @@ class IntentImm:
     law_density: Annotated[float, "m2/s3"] = 0.1
     straight_density: Annotated[float, "m2/s3"] = 0.05
     manoeuvre_density: Annotated[float, "m2/s3"] = 3.0
-    sub_step: Annotated[float, "s"] = 0.5
+    sub_step: Annotated[float, "s"] = SUB_STEP
 
     def __post_init__(self) -> None:
         if not self.limit_factors or not all(factor > 0.0 for factor in self.limit_factors):
@@ -100,7 +101,7 @@ class IntentImm:
 
     @cached_property
     def _path(self) -> ReferencePath:
-        return reference_path(self.route, self.law)
+        return reference_path(without_roll(self.route), self.law)
 
     @property
     def _intents(self) -> tuple[str, ...]:
@@ -191,13 +192,12 @@ class IntentImm:
     def _fly(self, laws: Mixture, place: Any, dt: float) -> tuple[Gaussian, Any]:
         """Every law by itself, all from the place on the path that their common estimate has."""
         law = self.bank(laws.mean.ndim - 2)
-        forward: Any = law_ekf.advance if isinstance(self._path, Line) else route_control.autonomous
         share = laws.weights / laws.weights.sum(axis=0)
         gaussian = Gaussian(laws.mean, laws.cov)
         count, step = sub_steps(dt, self.sub_step)
         Q = lift(uniform(self._path.axes, step, self.law_density)[1], 2, laws.cov.ndim - 2)
         for _ in range(count):
-            gaussian = forward(law, self._path, PathState(gaussian, place), step, Q)
+            gaussian = saturated_control.with_slope(law, self._path, PathState(gaussian, place), step, Q)
             place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), step)
         return gaussian, place
 

@@ -12,6 +12,7 @@ from tracking.gaussian import Gaussian, Innovation, predict
 from tracking.measurement import MeasurementModel
 from tracking.motion import GRAVITY, closed_loop
 from tracking.reference_path import (
+    SUB_STEP,
     Law,
     Line,
     PathState,
@@ -45,7 +46,7 @@ class LinearFeedback:
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
     acceleration_density: Annotated[float, "m2/s3"] = 0.1
-    sub_step: Annotated[float, "s"] = 0.5
+    sub_step: Annotated[float, "s"] = SUB_STEP
 
     def __post_init__(self) -> None:
         check_tuning(self.acceleration_density, self.sub_step)

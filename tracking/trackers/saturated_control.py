@@ -4,24 +4,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from tracking.gaussian import Innovation, predict
+from tracking.gaussian import Gaussian, Innovation, predict
 from tracking.measurement import MeasurementModel
-from tracking.motion import GRAVITY
 from tracking.reference_path import (
+    SUB_STEP,
     Law,
     PathState,
+    ReferencePath,
+    ahead_in_sub_steps,
     begin_on_path,
     channels_on_path,
     check_tuning,
     corrected,
     estimate_on_path,
-    path_of,
-    push,
+    reference_path,
+    steering,
     sub_steps,
     uniform,
+    without_roll,
 )
+
+COVARIANCES = ("paper", "jacobian")
 
 
 @dataclass(frozen=True)
@@ -29,10 +34,20 @@ class SaturatedControl:
     """Kalman filter of the double integrator with ``U = law(estimate)`` as input [Vasylyev 2003, eqs. (4), (6), (9)].
 
     The control is held for ``sub_step``; one that is not below the scan period gives the zero-order hold over the whole
-    scan, as published. On a route every leg is a line of its own, chosen by the estimate.
+    scan, as published.
 
-    The covariance treats the control as known, though the aircraft takes it from its own state: inside the limits it is
-    pessimistic, in saturation exact.
+    On a line U is ``g bank`` across it. On a route the state has two axes, F, Q and the gain of (9) hold on both, and U
+    is a vector: ``g tan(bank)`` at right angles to the estimated velocity through the air, whose motion over the ground
+    the route tells, with the deviations from the leg that the estimate is on. So the control turns the velocity. An
+    acceleration across the new leg alone would not: at a course error of 90 deg, where (6) is void, it stops the motion
+    along the old leg instead of turning it. For small course errors both are (6). The autopilot holds a speed as well:
+    where the route has a chart with speeds, the estimated one comes to it.
+
+    ``covariance`` says what the control is to the filter. ``paper``: an input, which it truly is where the aircraft is
+    flown on this very estimate; where the aircraft takes it from its own state, that is pessimistic inside the limits
+    and exact in saturation. ``jacobian``: a function of the state, whose slope belongs into F where the aircraft flies
+    on its own; that is sharper, leaves less room for a mismatched law, and is far too sure of itself where the aircraft
+    is flown on this estimate.
 
     Erratum: (6) printed without a unit of u, used the bank in radians, because g times the bank is the acceleration.
     """
@@ -41,26 +56,42 @@ class SaturatedControl:
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
     acceleration_density: Annotated[float, "m2/s3"] = 0.1
-    sub_step: Annotated[float, "s"] = 0.5
+    sub_step: Annotated[float, "s"] = SUB_STEP
+    covariance: Literal["paper", "jacobian"] = "paper"
 
     def __post_init__(self) -> None:
+        if self.covariance not in COVARIANCES:
+            raise ValueError(f"covariance is 'paper' or 'jacobian', not '{self.covariance}'")
         check_tuning(self.acceleration_density, self.sub_step)
+
+    @cached_property
+    def path(self) -> ReferencePath:
+        """Its turns begin where the aircraft has rolled."""
+        return reference_path(without_roll(self.route), self.law)
 
     def _driven(self, state: PathState, dt: float) -> PathState:
         mean, place = state.gaussian.mean, state.place
         count, step = sub_steps(dt, self.sub_step)
         for _ in range(count):
-            acceleration = GRAVITY * self.law(self.path.deviation(place, mean))
-            mean = push(self.path.normal(place), mean, acceleration, step)
+            bank = self.law(self.path.deviation(place, mean))
+            mean = self.path.steered(place, mean, bank, step)
             place = self.path.advance(place, mean, step)
         # uniform motion with isotropic noise looks the same from every leg: one covariance for all runs
         moved = predict(state.gaussian, *uniform(self.path.axes, dt, self.acceleration_density))
         return PathState(moved._replace(mean=mean), place)
 
-    path, channels = cached_property(path_of), cached_property(channels_on_path)
+    channels = cached_property(channels_on_path)
     begin, estimate = begin_on_path, estimate_on_path
 
     def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
         if dt > 0.0:
-            state = self._driven(state, dt)
+            slope = self.covariance == "jacobian"
+            state = ahead_in_sub_steps(with_slope, self, state, dt) if slope else self._driven(state, dt)
         return corrected(self, state, z, R)
+
+
+def with_slope(law: Law, path: ReferencePath, state: PathState, dt: float, Q: Any) -> Gaussian:
+    """Estimate after one sub-step with the bank held; the bank is a function of the state, whose slope F carries."""
+    mean, place = state.gaussian.mean, state.place
+    moved, F = path.steered_with_slope(place, mean, steering(law, path, place, mean), dt)
+    return predict(state.gaussian, F, Q)._replace(mean=moved)

@@ -52,8 +52,7 @@ FACTS = {
     "fin_centre_height": Fact(2.9, "memory: above the centre of gravity; m"),
     "fin_end_plate": Fact(1.6, "chosen: tailplane and body as end plates, on the aspect ratio"),
     "rudder_area": Fact(5.00, "memory: Jane's; m2"),
-    "aileron_chord": Fact(1.9, "memory: wing chord along the ailerons; m"),
-    "aileron_chord_share": Fact(0.25, "memory"),
+    "aileron_chord_share": Fact(0.25, "memory: behind the hinge; 76 % of the 6.12 m2 of Jane's, nose balance and all"),
     "aileron_inner": Fact(9.0, "memory; m from the plane of symmetry"),
     "aileron_outer": Fact(14.3, "memory; m"),
     "flap_area": Fact(15.0, "memory: Jane's; m2"),
@@ -84,7 +83,11 @@ FACTS = {
     "engine_z": Fact(0.5, "memory: thrust line above the centre of gravity; m"),
     "elevator_up": Fact(math.radians(30.0), "public"),
     "elevator_down": Fact(math.radians(15.0), "public"),
+    "aileron_up": Fact(math.radians(24.0), "public"),
+    "aileron_down": Fact(math.radians(16.0), "public"),
     "aileron_travel": Fact(math.radians(20.0), "public: mean of 24 up and 16 down"),
+    "aileron_up_lift": Fact(0.72, "public: Roskam VI fig. 8.13, what flow that separates leaves at 24 deg, 25 % chord"),
+    "aileron_down_lift": Fact(0.96, "public: the same at 16 deg"),
     "rudder_travel": Fact(math.radians(25.0), "public"),
     "actuator_bandwidth": Fact(20.0, "chosen: rad/s"),
     "actuator_rate": Fact(0.8, "chosen: rad/s"),
@@ -125,15 +128,15 @@ def derivatives() -> dict[str, float]:
     fin_arm, fin_up = fact("fin_arm") / span, fact("fin_centre_height") / span
     width = fact("fuselage_width")
     volume = fact("fuselage_volume_share") * math.pi / 4.0 * width**2 * fact("length")
+    half_span, up, down = 0.5 * span, fact("aileron_up"), fact("aileron_down")
     aileron = handbook.aileron_power(
-        handbook.antisymmetric_slope(aspect_ratio),
+        aspect_ratio,
+        fact("taper"),
+        fact("aileron_inner") / half_span,
+        fact("aileron_outer") / half_span,
         handbook.flap_effectiveness(fact("aileron_chord_share")),
-        fact("aileron_chord"),
-        fact("aileron_inner"),
-        fact("aileron_outer"),
-        area,
-        span,
     )
+    aileron *= (up * fact("aileron_up_lift") + down * fact("aileron_down_lift")) / (up + down)
     of_flaps = -0.20 + tail * arm * downwash / wing  # the flap's own nose-down moment, and its downwash at the tail
     return {
         "CLa": wing + tail * (1.0 - downwash),

@@ -65,7 +65,7 @@ def state_of_motion(
         along * cos_pitch + (a_up + STANDARD_GRAVITY) * sin_pitch,
         across * cos_bank - lift * sin_bank,
         -lift * cos_bank - across * sin_bank,
-        *(nothing,) * 7,
+        *(nothing,) * 9,
     )
 
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
+from aircraft.state import parts
 from sim.flight.record import Flight
 from sim.reporting.text.labels import duration, number
 
@@ -24,8 +27,9 @@ def what_happened(flight: Flight, figures: dict[str, Any], checks: list[dict[str
 def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
     outcome, reason = flight.outcome, first_clause(flight.reason)
     if touchdown and outcome in ("landed", "ground"):
-        verb = "landed" if outcome == "landed" else "touched the ground, but did not land:"
-        return f"the aircraft {verb} {_touchdown(touchdown)}"
+        if outcome == "landed":
+            return f"the aircraft landed {_touchdown(touchdown)}{_first(flight)}"
+        return f"the aircraft did not land: it {reason or f'touched down {_touchdown(touchdown)}'}"
     told = {
         "ground": "the aircraft hit the ground",
         "orbit": "the flight was ended because the aircraft orbits instead of reaching its leg",
@@ -67,6 +71,12 @@ def _touchdown(touchdown: dict[str, float]) -> str:
     past, across = touchdown["past_threshold_m"], touchdown["cross_track_m"]
     where = f"{abs(past):.0f} m {'past' if past >= 0 else 'before'} the threshold"
     return f"{where}, {_side(across, 'the centreline')}, sinking at {number(touchdown['sink_mps'], 2)} m/s"
+
+
+def _first(flight: Flight) -> str:
+    """What touched the ground first; nothing where the record does not tell."""
+    first = np.max(flight.state.first_contact)
+    return f", {parts(first)} first" if first else ""
 
 
 def _verdict(checks: list[dict[str, Any]]) -> str:

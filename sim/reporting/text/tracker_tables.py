@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 from sim.metrics.conformance import MISMATCHED
 from sim.reporting.text.labels import ABSENT, column, decimals, number, split, words
 
+TIMES = " ×"
+
 
 class Table(NamedTuple):
     """A table of text: the first ``lefts`` columns are words, the others numbers."""
@@ -37,14 +39,18 @@ def _channel(trackers: dict[str, dict[str, Any]], channel: str) -> Table:
         rmse,
         [_interval(f, rmse[i]) for i, f in enumerate(overall)],
         column([f.get("raw") for f in overall]),
-        [_times(f.get("gain")) for f in overall],
+        (gain := [_times(f.get("gain")) for f in overall]),
+        [
+            _interval({"low": f.get("gain_low"), "high": f.get("gain_high")}, like)
+            for f, like in zip(overall, gain, strict=True)
+        ],
         *(
             column([(t.get("by_phase") or {}).get(p, {}).get(channel, {}).get("rmse") for t in chosen.values()])
             for p in phases
         ),
     ]
     rows = [[who, _law(t), *(values[i] for values in columns)] for i, (who, t) in enumerate(chosen.items())]
-    header = ["tracker", "law from", "RMSE", "interval", "raw", "gain", *(words(p) for p in phases)]
+    header = ["tracker", "law from", "RMSE", "interval", "raw", "gain", "of the gain", *(words(p) for p in phases)]
     return Table(f"{words(name).capitalize()}, {unit}: root mean square error overall and by phase", header, rows, 2)
 
 
@@ -53,12 +59,12 @@ def _interval(figure: dict[str, Any], like: str) -> str:
     low, high = figure.get("low"), figure.get("high")
     if low is None or high is None:
         return ABSENT
-    places = len(like.partition(".")[2])
+    places = len(like.removesuffix(TIMES).partition(".")[2])
     return f"{number(float(low), places)} … {number(float(high), places)}"
 
 
 def _times(gain: float | None) -> str:
-    return ABSENT if gain is None else f"{number(float(gain), 2)} ×"
+    return ABSENT if gain is None else f"{number(float(gain), 2)}{TIMES}"
 
 
 def _law(tracker: dict[str, Any]) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.flight.airspeeds import REFERENCE_MARGIN
+from autopilot.landing import REFERENCE_MARGIN
 from sim.flight.record import Flight
 from sim.flight.rollout import STOPPED
 from sim.observation.record import SensorRecord

@@ -73,14 +73,34 @@ def test_a_run_writes_its_folder_and_says_where(command, scenario, tmp_path):
 def test_two_processes_write_the_same_bytes(scenario, tmp_path):
     for name in ("a", "b"):
         assert process("run", scenario, "-o", tmp_path / name, cwd=tmp_path).returncode == 0
-    assert (tmp_path / "a/metrics.json").read_bytes() == (tmp_path / "b/metrics.json").read_bytes()
+    assert_same_bytes(tmp_path / "a", tmp_path / "b")
     assert list((tmp_path / "home").iterdir()) == []  # nothing in the user's home, a plotting library's cache included
 
 
+def assert_same_bytes(one, other):
+    """All files of two runs but the wall times."""
+    names = {file.name for file in one.iterdir()} - {"timing.json"}
+    assert {"metrics.json", "report.html", "scenario.toml", "flight.npz", "tracks.npz"} < names
+    for name in names:
+        assert (one / name).read_bytes() == (other / name).read_bytes(), name
+
+
 def test_the_resolved_scenario_repeats_the_run(command, scenario, tmp_path):
-    assert command("run", scenario, "-o", tmp_path / "a").returncode == 0
+    slow = "autopilot.estimate_lag_s=2", "wind.turbulence=light"  # the law of this design is made slower
+    sets = [word for change in slow for word in ("--set", change)]
+    assert command("run", scenario, *sets, "-o", tmp_path / "a").returncode == 0
     assert command("run", tmp_path / "a/scenario.toml", "-o", tmp_path / "b").returncode == 0
-    assert (tmp_path / "a/metrics.json").read_bytes() == (tmp_path / "b/metrics.json").read_bytes()
+    assert_same_bytes(tmp_path / "a", tmp_path / "b")
+
+
+def test_the_resolved_scenario_with_another_bank_limit_is_designed_for_it(command, scenario, tmp_path):
+    assert command("run", scenario, "-o", tmp_path / "a").returncode == 0
+    other = "--set", "autopilot.bank_limit_deg=25"
+    done = command("run", tmp_path / "a/scenario.toml", *other, "-o", tmp_path / "b")
+    assert "warning: the gains of [designed] were made for other inputs (bank_limit): designed anew" in done.stdout
+    assert command("run", scenario, *other, "-o", tmp_path / "c").returncode == 0
+    for name in ("scenario.toml", "flight.npz", "tracks.npz"):
+        assert (tmp_path / "b" / name).read_bytes() == (tmp_path / "c" / name).read_bytes()
 
 
 def test_another_seed_gives_other_measurements(command, scenario, tmp_path):

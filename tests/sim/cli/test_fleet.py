@@ -6,7 +6,8 @@ import tomllib
 import pytest
 
 from aircraft.model_files import available
-from aircraft.slowest import STOCK_TABLE, complete
+from aircraft.slowest import complete
+from aircraft.stock import STOCK_TABLE
 from sim.cli import fleet
 from sim.cli.listing import aircraft_lines
 

@@ -134,11 +134,11 @@ def scenario(trackers, **more):
 
 @pytest.fixture(scope="module")
 def result():
-    kinds = ("route_control", "imm")
+    kinds = ("saturated_control", "imm")
     return sim.run(scenario({kind: {"kind": kind, **ASSOCIATED} for kind in kinds}))
 
 
-@pytest.mark.parametrize("name", ["route_control", "imm"])
+@pytest.mark.parametrize("name", ["saturated_control", "imm"])
 def test_association_keeps_most_draws(name, result):
     figures = result.metrics["trackers"][name]
     assert figures["lost_fraction"] < 0.3
@@ -149,7 +149,7 @@ def test_raw_is_the_targets_own_plot(result):
     record, flight = result.records["radar"], result.flight
     radar = result.scenario.sensors["radar"]
     error = (record.z - truth(radar, flight, record.time).T[:, :, None])[:, 1]
-    raw = result.metrics["trackers"]["route_control"]["overall"]["radar.azimuth_deg"]["raw"]
+    raw = result.metrics["trackers"]["saturated_control"]["overall"]["radar.azimuth_deg"]["raw"]
     # a record at 30 Hz interpolated linearly is a decimetre beside the cubic; plots before the track begins: none
     assert raw == pytest.approx(math.degrees(math.sqrt(np.nanmean(error**2))), rel=1e-3)
 

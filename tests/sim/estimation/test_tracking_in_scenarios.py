@@ -59,7 +59,7 @@ ALL = {
         "sensors": RADARS,
         "law": {"k1_factor": 1.3, "cross_track_limit_factor": 1.3},
     },
-    "route": {"kind": "route_control", "sensors": RADARS},
+    "route": {"kind": "saturated_control", "sensors": RADARS},
     "intent": {"kind": "intent_imm", "sensors": RADARS},
     "imm": {"kind": "imm", "sensors": RADARS},
     "aided": {"kind": "load_factor_cartesian", "sensors": ["approach", "link"]},
@@ -168,7 +168,7 @@ def test_the_prior_error_has_its_stated_spread_and_is_common(flown):
 
 def test_sight_in_the_loop_is_the_track_of_the_record():
     """The navigating tracker sees in the loop what it sees on the record of the same flight."""
-    table = {"route": {"kind": "route_control", "sensors": RADARS}}
+    table = {"route": {"kind": "saturated_control", "sensors": RADARS}}
     prepared = scenario(table, autopilot={"navigation": "route"}, draws=1, until_s=40)
     flight = fly(prepared)
     s = prepared.scenario
@@ -189,7 +189,7 @@ def test_sight_in_the_loop_is_the_track_of_the_record():
 
 
 def test_flying_on_a_tracker_is_not_flying_on_the_truth():
-    table = {"route": {"kind": "route_control", "sensors": RADARS}}
+    table = {"route": {"kind": "saturated_control", "sensors": RADARS}}
     on_truth = fly(scenario(table, until_s=30))
     on_tracker = fly(scenario(table, autopilot={"navigation": "route"}, draws=1, until_s=30))
     assert np.abs(on_truth.command.bank - on_tracker.command.bank).max() > 0.01
@@ -245,7 +245,7 @@ def test_looking_ahead_is_the_tracker_s_own_prediction(flown, tracked):
     assert tracked[1]["kalman"]["look_ahead"]["20_s"]["position_m"] == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["linear_feedback", "saturated_control", "route_control", "intent_imm"])
+@pytest.mark.parametrize("kind", ["linear_feedback", "saturated_control", "intent_imm"])
 def test_twins_track_as_each_of_them_does_alone(flown, kind):
     """The right and a mismatched law, side by side in one tracker and each by itself."""
     _, flight, records = flown

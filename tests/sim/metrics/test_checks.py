@@ -142,6 +142,7 @@ def test_names_are_looked_for_in_whatever_a_file_says(checks):
         ("touchdown.sink_mps", "mps"),
         ("trackers.mls_s.overall.mls.elevation_deg.rmse", "deg"),
         ("trackers.mine.look_ahead.20_s.position_m.gain", "gain"),
+        ("trackers.mine.overall.position_m.gain_low", "gain"),
         ("trackers.mine.lost_fraction", ""),
         ("trackers.mine.lost_time_s", "s"),
         ("trackers.mine_m", ""),

@@ -147,7 +147,7 @@ def test_explain_tells_of_the_cycle():
     assert "gain margin" in text
     assert "of the full aileron" not in text
     fast = {"autopilot.frequency_share": 0.55, "autopilot.roll_rate_limit_degps": 90.0}
-    assert "slower than that: it asks for 1.6 of the full aileron" in explain(read("limit_cycle", fast))
+    assert "slower than that: it asks for 2.2 of the full aileron" in explain(read("limit_cycle", fast))
     assert "every oscillation fades" in explain(read("limit_cycle", {"autopilot.frequency_share": 0.06}))
 
 

@@ -76,7 +76,7 @@ def written(tmp_path, flight, law=LAW, given=None, **more):
     }
     path = write(
         tmp_path / "report.html", scenario=given, flight=flight, law=law, metrics=metrics | more,
-        versions={"shortfinal": "0.1.0"}, timing={"fly_s": 1.0},
+        versions={"shortfinal": "0.1.0"},
     )  # fmt: skip
     return Page(path.read_text(encoding="utf-8"))
 

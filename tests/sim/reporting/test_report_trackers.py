@@ -42,7 +42,7 @@ EVIL, LARGEST, LAW, Page = (_page[name] for name in ("EVIL", "LARGEST", "LAW", "
 
 POSITION = LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
 CHANNELS = ("north", "north_rate", "east", "east_rate")
-KINDS = {"best": "route_control", "twin": "route_control", "plain": "imm"}
+KINDS = {"best": "saturated_control", "twin": "saturated_control", "plain": "imm"}
 """Names and kinds of the trackers of most tests; ``twin`` assumes a mismatched law."""
 
 
@@ -126,7 +126,7 @@ def written(tmp_path, flight, given, tracked, trackers, records=None):
     metrics = {"flight": figures, "checks": checks, "seed": 1, "draws": 2, "trackers": trackers}
     path = write(
         tmp_path / "report.html", scenario=given, flight=flight, law=LAW, metrics=metrics,
-        versions={}, timing={}, tracked=tracked, records=records or {},
+        versions={}, tracked=tracked, records=records or {},
     )  # fmt: skip
     return Page(path.read_text(encoding="utf-8"))
 

@@ -68,7 +68,11 @@ def test_every_other_end_is_told_with_its_reason(make_flight, outcome, reason, a
 
 def test_contact_beside_the_runway_is_no_landing(make_flight):
     told = what_happened(ended(make_flight, "ground"), touched(-120.0, 35.0, 4.0), [BROKEN])
-    assert "did not land: 120 m before the threshold, 35.0 m right of the centreline, sinking at 4.00 m/s" in told
+    assert "land: it touched down 120 m before the threshold, 35.0 m right of the centreline, sinking at 4.00" in told
+    why = "touched down 934 m past the threshold, beyond the box of 823 m"
+    assert f"did not land: it {why}; 1 of 1" in what_happened(
+        ended(make_flight, "ground", why), touched(934.0, 0.0, 0.6), [BROKEN]
+    )
 
 
 @pytest.mark.parametrize(
@@ -222,6 +226,7 @@ def test_sources_come_from_the_docstrings_of_what_ran():
 
 def summary(rmse, **more):
     figure = {"rmse": rmse, "low": rmse - 1, "high": rmse + 1, "raw": 100.0, "gain": 100.0 / rmse}
+    figure |= {"gain_low": 99.0 / rmse, "gain_high": 101.0 / rmse}
     return {"kind": "kalman", "law_from": None, "overall": {"position_m": figure}, "by_phase": {}} | more
 
 
@@ -231,9 +236,9 @@ def test_trackers_stand_side_by_side_with_interval_gain_and_phases():
         {"one": summary(80.0, by_phase=phase, anees=1.02, lost_fraction=0.0123, lost_time_s=14.3), "two": summary(8.0)}
     )
     position, consistency = tables
-    assert position.header == ["tracker", "law from", "RMSE", "interval", "raw", "gain", "final"]
-    assert position.rows[0] == ["one", "–", "80.00", "79.00 … 81.00", "100.0", "1.25 ×", "145.1"]
-    assert position.rows[1] == ["two", "–", "8.00", "7.00 … 9.00", "100.0", "12.50 ×", "–"]
+    assert position.header == ["tracker", "law from", "RMSE", "interval", "raw", "gain", "of the gain", "final"]
+    assert position.rows[0] == ["one", "–", "80.00", "79.00 … 81.00", "100.0", "1.25 ×", "1.24 … 1.26", "145.1"]
+    assert position.rows[1] == ["two", "–", "8.00", "7.00 … 9.00", "100.0", "12.50 ×", "12.38 … 12.62", "–"]
     assert consistency.rows[0] == ["one", "kalman", "1.02", "–", "–", "1.2", "14"]
     assert consistency.rows[1][2:] == ["–"] * 5
 

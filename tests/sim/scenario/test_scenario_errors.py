@@ -35,6 +35,17 @@ def test_two_spellings_of_one_value_are_refused():
     assert "'speed_mps' and 'speed_kt' are two spellings of one value" in faults(wind={"speed_mps": 3, "speed_kt": 6})
 
 
+@pytest.mark.parametrize("kind", ["route_control", "law_ekf"])
+def test_a_kind_of_before_is_answered_with_what_to_write_now(kind):
+    radar = {"radar": {"kind": "surveillance_radar"}}
+    told = faults(sensors=radar, trackers={"t": {"kind": kind, "covariance": "known_control"}})
+    assert told.startswith(f"scenario: [trackers.t] kind: no kind '{kind}'; write kind = \"saturated_control\"")
+    assert 'covariance = "jacobian"' in told
+    assert "\n" not in told
+    form = {"kind": "saturated_control", "covariance": "known_control"}
+    assert "[trackers.t] covariance: must be 'paper' or 'jacobian'" in faults(sensors=radar, trackers={"t": form})
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_numbers_must_be_finite(value):
     assert "must be a finite number" in faults(aircraft={"mass_kg": value})

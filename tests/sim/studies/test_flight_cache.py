@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from types import SimpleNamespace
 
@@ -143,6 +144,7 @@ def test_what_decides_a_flight_decides_its_name(monkeypatch):
     others = [
         flight_cache.key(prepared(), 1),
         flight_cache.key(prepared(seed=2), 0),
+        flight_cache.key(dataclasses.replace(prepared(), rate=60.0), 0),
         flight_cache.key(prepared(wind={"turbulence": "light", "speed_mps": 1.0}), 0),
         flight_cache.key(prepared(until_s=6.0), 0),
         flight_cache.key(prepared(aircraft={"model": "an26"}), 0),

@@ -10,6 +10,7 @@ from scipy import stats
 
 from sim.errors import OutputError, ScenarioError
 from sim.experiment import run
+from sim.flight.preparation import prepare
 from sim.scenario.axes import Listed, Sampled, axis, cells, samples
 from sim.scenario.reading import read
 from sim.scenario.tables import StudyCheck
@@ -238,6 +239,10 @@ def test_a_sample_flies_with_the_gains_of_its_cell(tmp_path):
     seen = gains(line({bank: [10, 20]}))
     assert seen[0] != seen[1]
     assert len(gains(line({bank: {"uniform": [10, 20]}}, 4))) == 1
+    carried = prepare(read({k: v for k, v in line({bank: [10]}).items() if k != "study"})).gains.to_table()
+    assert gains({**line({bank: [10, 20]}), "designed": carried}) == seen  # a design for 15 deg, carried by a file
+    frozen = {key: value for key, value in carried.items() if key != "inputs"}
+    assert len(set(gains({**line({bank: [10, 20]}), "designed": frozen}))) == 1
 
 
 def test_a_sample_that_cannot_fly_is_one_flight_lost(tmp_path):
@@ -245,11 +250,26 @@ def test_a_sample_that_cannot_fly_is_one_flight_lost(tmp_path):
     drawn = samples([Sampled("start.height_m", "normal", 1.0, 20.0)], 8, 1)
     below = sum(row["start.height_m"] <= 0 for row in drawn)
     assert 0 < below < 8
-    assert metrics["outcomes"]["crashed"] == below
+    assert metrics["outcomes"]["refused"] == below
     told = [json.loads(text) for text in (tmp_path / "flights.jsonl").read_text().splitlines()]
     assert all(
-        "starts above the ground" in r["metrics"]["reason"] for r in told if r["metrics"]["outcome"] == "crashed"
+        "starts above the ground" in r["metrics"]["reason"] for r in told if r["metrics"]["outcome"] == "refused"
     )
+
+
+def test_a_cell_that_cannot_be_designed_is_refused_and_the_others_fly(tmp_path):
+    """A bank limit that leaves no room for the turns of a short leg is a result of the map."""
+    legs = [
+        {"from_m": [0, 0], "to_m": [9000, 0], "speed_mps": 72, "height_m": 600},
+        {"from_m": [9000, 0], "to_m": [9000, 9000], "speed_mps": 72, "height_m": 600},
+    ]
+    short = {"route": {"kind": "legs", "legs": legs}, "start": {"leg": 0}}
+    metrics = fly(tmp_path / "o", line({"autopilot.bank_limit_deg": [2.0, 15.0]}, **short))
+    assert [row["outcomes"] for row in metrics["rows"]] == [{"refused": 2}, {"completed": 2}]
+    (why,) = metrics["refusals"]
+    assert "at 2 deg of bank its turns need" in why
+    with pytest.raises(ScenarioError, match=r"with autopilot.bank_limit_deg = 2.0: .*its turns need"):
+        fly(tmp_path / "none", line({"autopilot.bank_limit_deg": [2.0]}, **short))
 
 
 def test_trackers_join_the_rows(tmp_path):
