@@ -16,7 +16,7 @@ models steer no wheel, and at high speed a nose wheel carries little.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, NamedTuple
 
 from aircraft.state import STANDARD_GRAVITY, AircraftState, Controls, WheelControls
@@ -62,6 +62,16 @@ class Rollout:
     intercept: Annotated[float, "rad"] = math.radians(10.0)  # towards the centreline, at most
     lateral_acceleration: Annotated[float, "m/s2"] = 0.1 * STANDARD_GRAVITY
     level_bank: Annotated[float, "rad"] = math.radians(20.0)  # that asks for full aileron
+    _steering: float = field(init=False, repr=False, compare=False)  # s/m, angle over the wheelbase, for a yaw rate
+    _turning: float = field(init=False, repr=False, compare=False)  # s, brakes of one side more, of the other less
+
+    def __post_init__(self) -> None:
+        bandwidth, gyration = self.yaw_bandwidth, GYRATION * self.wheelbase
+        lag = GYRATION**2 / (CORNERING * STANDARD_GRAVITY * NOSE_LOAD * (1.0 - NOSE_LOAD))
+        object.__setattr__(self, "_steering", bandwidth * lag)
+        # the yaw acceleration of the bandwidth, from a force with half the wheel track as its arm
+        turning = 2.0 * bandwidth * gyration**2 / (self.wheel_track * FULL_BRAKES) if self.wheel_track else 0.0
+        object.__setattr__(self, "_turning", turning)
 
     def begin(self, state: AircraftState) -> RolloutState:
         """From the landing on, with the controls where they are."""
@@ -80,9 +90,9 @@ class Rollout:
         wanted = speed * self.curvature(speed, cross_track, track_error)  # rad/s
         error = wanted - state.yaw_rate
         beyond = s.yaw_rate_sum
-        steering = self.wheelbase * ((wanted + beyond) / max(speed, SLOW) + self._per_yaw_rate * error)
+        steering = self.wheelbase * ((wanted + beyond) / max(speed, SLOW) + self._steering * error)
         rudder = self.rudder_per_sideslip * state.sideslip + self.rudder_per_yaw_rate * (error + beyond)
-        turning = self._brakes_per_yaw_rate * (error + beyond) if state.time >= s.braking_at else 0.0
+        turning = self._turning * (error + beyond) if state.time >= s.braking_at else 0.0
         limit = abs(self.steering_limit)
         if abs(steering) < limit or abs(rudder) < 1.0 or error * beyond < 0.0:  # else all of it is at its stop
             beyond += error * dt / self.yaw_time
@@ -96,21 +106,6 @@ class Rollout:
             steering / self.steering_limit if self.steering_limit else 0.0,
         )
         return RolloutState(s.braking_at, elevator, speed, brakes, beyond), controls, wheels
-
-    @property
-    def _per_yaw_rate(self) -> float:
-        """Steering angle over the wheelbase, for an error of the yaw rate, s/m."""
-        return self.yaw_bandwidth * GYRATION**2 / (CORNERING * STANDARD_GRAVITY * NOSE_LOAD * (1.0 - NOSE_LOAD))
-
-    @property
-    def _brakes_per_yaw_rate(self) -> float:
-        """Brakes that one side has more and the other less than both, for an error of the yaw rate, s.
-
-        The yaw acceleration is that of the bandwidth, from a force with half the wheel track as its arm.
-        """
-        if not self.wheel_track:
-            return 0.0
-        return 2.0 * self.yaw_bandwidth * (GYRATION * self.wheelbase) ** 2 / (self.wheel_track * FULL_BRAKES)
 
     def curvature(self, speed: float, cross_track: float, track_error: float) -> float:
         """Curvature, 1/m, + to the right, of the path back to the centreline."""
