@@ -374,7 +374,7 @@ def load(
 
 def _built(source: model_files.Model, aircraft: AircraftData, runway: Runway, air: Air | None, stock: bool) -> Airframe:
     """The airframe of a model; a stock one is repaired where it waits for another simulator."""
-    told = repairs.drive_directly(source) if stock else None
+    told = (repairs.drive_directly(source), repairs.free_steering(source)) if stock else ()
     points, farthest = contacts(source), reach(source)
     while True:
         executive = fresh_executive(source, aircraft.rate)
@@ -385,7 +385,7 @@ def _built(source: model_files.Model, aircraft: AircraftData, runway: Runway, ai
             if not stock or not repairs.define_missing(source, said):
                 raise ModelError(f"'{source.name}' cannot be used: {said}") from None
         else:
-            airframe.repairs = tuple(text for text in (told, repairs.defined(source)) if text)
+            airframe.repairs = tuple(text for text in (*told, repairs.defined(source)) if text)
             return airframe
 
 

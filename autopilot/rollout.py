@@ -8,9 +8,11 @@ A tyre gives a side force of its load times the slip angle times a coefficient c
 the lag V / (c g), and the yaw rate follows the steered wheel with the lag k^2 V / (c g a b): a and b are the distances
 of the steered and the main wheels from the centre of gravity, k is the radius of gyration. Feedback of the error e of
 the yaw rate to the steering angle, d = L r / V + w k^2 L / (c g a b) e, gives the yaw rate r the bandwidth w at any
-speed, and the length l is four times what is run within both lags, 1 / w + V / (c g), which leaves a phase margin of
-45 deg. Rudder and brakes turn the aircraft too, the brakes by what the one side takes off more than the other: some
-models steer no wheel, and at high speed a nose wheel carries little.
+speed. For chi the law takes the heading less the slip angle that lasts: the heading leads the track by its lag, and
+what a side wind needs stays out of it. With n = V / l and T = V / (c g) the loop is then T s^3 + (1 + 2 n T) s^2 +
+2 n s + n^2, stable for every n, and damped by .7 for n T = 1 / 2; a fourth of w leaves the yaw rate in time. Hence
+l = 2 V (2 / w + V / (c g)). Rudder and brakes turn the aircraft too, the brakes by what the one side takes off more
+than the other: some models steer no wheel, and at high speed a nose wheel carries little.
 """
 
 from __future__ import annotations
@@ -26,7 +28,6 @@ FULL_BRAKES = 0.8 * STANDARD_GRAVITY  # m/s2 that brakes take off at most, rubbe
 CORNERING = 7.7  # 1/rad, c: the slope of JSBSim's tyre at no slip, 0.06 * 2.8 * 0.8 per deg
 GYRATION = 0.65  # k over the wheelbase, of the An-26
 NOSE_LOAD = 0.09  # b over the wheelbase: the share of the weight on the steered wheel, 8 to 15 % of most aircraft
-LAGS = 4.0  # what is run within the lags that make up l
 LEAST_LENGTH = 3.0  # wheelbases, of the length l
 SLOW = 1.0  # m/s; the steering angle is not reckoned with less
 
@@ -39,6 +40,7 @@ class RolloutState(NamedTuple):
     speed: float  # m/s over the ground, one step before
     brakes: float  # 0..1
     yaw_rate_sum: float  # rad/s, asked for beyond what the curvature needs
+    slip: float  # rad, heading less track, what lasts of it
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ class Rollout:
     nose_time: Annotated[float, "s"] = 3.0  # in which the elevator goes to neutral, before the brakes
     yaw_bandwidth: Annotated[float, "rad/s"] = 2.0
     yaw_time: Annotated[float, "s"] = 2.0  # in which a lasting error of the yaw rate is taken out
+    slip_time: Annotated[float, "s"] = 4.0  # after which a slip angle counts as lasting
     intercept: Annotated[float, "rad"] = math.radians(10.0)  # towards the centreline, at most
     lateral_acceleration: Annotated[float, "m/s2"] = 0.1 * STANDARD_GRAVITY
     level_bank: Annotated[float, "rad"] = math.radians(20.0)  # that asks for full aileron
@@ -75,19 +78,30 @@ class Rollout:
 
     def begin(self, state: AircraftState) -> RolloutState:
         """From the landing on, with the controls where they are."""
-        return RolloutState(state.time + self.nose_time, state.elevator, state.ground_speed, 0.0, 0.0)
+        return RolloutState(state.time + self.nose_time, state.elevator, state.ground_speed, 0.0, 0.0, 0.0)
 
     def step(
-        self, s: RolloutState, state: AircraftState, cross_track: float, track_error: float, dt: float
+        self,
+        s: RolloutState,
+        state: AircraftState,
+        cross_track: float,
+        track_error: float,
+        heading_error: float,
+        dt: float,
     ) -> tuple[RolloutState, Controls, WheelControls]:
-        """Controls for the next ``dt`` seconds; ``cross_track`` (m) and ``track_error`` (rad) are + to the right."""
+        """Controls for the next ``dt`` seconds.
+
+        ``cross_track`` (m) from the centreline, ``track_error`` and ``heading_error`` (rad) from its direction are + to
+        the right.
+        """
         elevator = rate_limit(s.elevator, 0.0, 1.0 / self.nose_time, dt)
         speed = math.hypot(state.velocity_north, state.velocity_east)
         brakes = s.brakes
         if state.time >= s.braking_at:
             lacking = self.deceleration - (s.speed - speed) / dt
             brakes = min(max(brakes + lacking / FULL_BRAKES * dt / self.brake_time, 0.0), 1.0)
-        wanted = speed * self.curvature(speed, cross_track, track_error)  # rad/s
+        slip = s.slip + (heading_error - track_error - s.slip) * dt / self.slip_time
+        wanted = speed * self.curvature(speed, cross_track, heading_error - slip)  # rad/s
         error = wanted - state.yaw_rate
         beyond = s.yaw_rate_sum
         steering = self.wheelbase * ((wanted + beyond) / max(speed, SLOW) + self._steering * error)
@@ -105,12 +119,12 @@ class Rollout:
             min(max(brakes + turning, 0.0), 1.0),
             steering / self.steering_limit if self.steering_limit else 0.0,
         )
-        return RolloutState(s.braking_at, elevator, speed, brakes, beyond), controls, wheels
+        return RolloutState(s.braking_at, elevator, speed, brakes, beyond, slip), controls, wheels
 
     def curvature(self, speed: float, cross_track: float, track_error: float) -> float:
         """Curvature, 1/m, + to the right, of the path back to the centreline."""
-        lags = 1.0 / self.yaw_bandwidth + speed / (CORNERING * STANDARD_GRAVITY)
-        length = max(LAGS * speed * lags, LEAST_LENGTH * abs(self.wheelbase), 1.0)
+        lags = 2.0 / self.yaw_bandwidth + speed / (CORNERING * STANDARD_GRAVITY)
+        length = max(2.0 * speed * lags, LEAST_LENGTH * abs(self.wheelbase), 1.0)
         towards = saturate(-0.5 * cross_track / length, self.intercept)
         sharpest = self.lateral_acceleration / max(speed * speed, 1.0)
         return float(saturate(2.0 * (towards - track_error) / length, sharpest))

@@ -48,7 +48,8 @@ def roll_out(vehicle: Any, body: Any, route: Route, leg: int, runway: Any, gate_
         else:
             course = math.atan2(state.velocity_east, state.velocity_north)
             track_error = math.remainder(course - runway.heading, math.tau)
-            s, controls, wheels = law.step(s, state, across, track_error, RECORD_STEP)
+            heading_error = math.remainder(state.heading - runway.heading, math.tau)
+            s, controls, wheels = law.step(s, state, across, track_error, heading_error, RECORD_STEP)
             try:
                 body = vehicle.roll(body, controls, wheels, RECORD_STEP)
             except FlightError as error:

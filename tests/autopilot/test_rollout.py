@@ -35,7 +35,7 @@ def on_tyres(wheelbase, speed, across, course, push=0.0, nose_load=0.09, gyratio
             time=k * STEP, velocity_north=speed * math.cos(track), velocity_east=speed * math.sin(track),
             heading=heading, yaw_rate=rate,
         )  # fmt: skip
-        s, _, wheels = pilot.step(s, state, y, track, STEP)
+        s, _, wheels = pilot.step(s, state, y, track, heading, STEP)
         steering = wheels.steering * pilot.steering_limit
         for _ in range(20):
             fore = -cornering * nose_load * ((sideways + ahead * rate) / speed - steering)
@@ -87,7 +87,7 @@ def test_brakes_wait_for_the_nose_and_hold_their_deceleration():
     for k in range(600):
         state = STANDING._replace(time=k * STEP, velocity_north=speed, elevator=0.3)
         s = pilot.begin(state) if s is None else s
-        s, controls, wheels = pilot.step(s, state, 0.0, 0.0, STEP)
+        s, controls, wheels = pilot.step(s, state, 0.0, 0.0, 0.0, STEP)
         assert wheels.left_brake == wheels.right_brake
         assert controls.throttle == 0.0
         felt.append((state.time, wheels.left_brake, controls.elevator))
@@ -102,7 +102,7 @@ def test_a_tail_wheel_and_a_reversed_wheel_turn_the_other_way():
 
     def steering(wheelbase, limit):
         pilot = Rollout(wheelbase, 0.0, limit, 0.0, 0.0)
-        return pilot.step(pilot.begin(state), state, 3.0, 0.0, STEP)[2].steering
+        return pilot.step(pilot.begin(state), state, 3.0, 0.0, 0.0, STEP)[2].steering
 
     nose = steering(5.0, 0.2)
     assert nose < 0.0  # it is right of the centreline
