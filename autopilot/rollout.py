@@ -61,9 +61,8 @@ class Rollout:
     nose_time: Annotated[float, "s"] = 3.0  # in which the elevator goes to neutral, before the brakes
     yaw_bandwidth: Annotated[float, "rad/s"] = 2.0
     yaw_time: Annotated[float, "s"] = 2.0  # in which a lasting error of the yaw rate is taken out
-    slip_time: Annotated[float, "s"] = 4.0  # after which a slip angle counts as lasting
     intercept: Annotated[float, "rad"] = math.radians(10.0)  # towards the centreline, at most
-    lateral_acceleration: Annotated[float, "m/s2"] = 0.1 * STANDARD_GRAVITY
+    lateral_acceleration: Annotated[float, "m/s2"] = 0.2 * STANDARD_GRAVITY  # a fourth of what tyres hold
     level_bank: Annotated[float, "rad"] = math.radians(20.0)  # that asks for full aileron
     _steering: float = field(init=False, repr=False, compare=False)  # s/m, angle over the wheelbase, for a yaw rate
     _turning: float = field(init=False, repr=False, compare=False)  # s, brakes of one side more, of the other less
@@ -100,7 +99,8 @@ class Rollout:
         if state.time >= s.braking_at:
             lacking = self.deceleration - (s.speed - speed) / dt
             brakes = min(max(brakes + lacking / FULL_BRAKES * dt / self.brake_time, 0.0), 1.0)
-        slip = s.slip + (heading_error - track_error - s.slip) * dt / self.slip_time
+        lasting = 1.0 / self.yaw_bandwidth + speed / (CORNERING * STANDARD_GRAVITY)
+        slip = s.slip + (heading_error - track_error - s.slip) * dt / lasting
         wanted = speed * self.curvature(speed, cross_track, heading_error - slip)  # rad/s
         error = wanted - state.yaw_rate
         beyond = s.yaw_rate_sum

@@ -13,9 +13,9 @@ from sim.estimation.batching import can_batch, repeat_runs, split_track, stack_l
 from sim.estimation.look_ahead import LookAhead
 from sim.estimation.prior import prior
 from sim.estimation.setup import adopt, build, chart_height, listened
+from sim.flight.outcomes import ROLLOUT
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
-from sim.flight.rollout import ROLLOUT
 from sim.metrics import conformance
 from sim.metrics.error_curves import ErrorCurves, error_curves
 from sim.metrics.tracker import TrackerErrors, plot_errors, tracker_errors, tracker_metrics

@@ -1,4 +1,4 @@
-"""fly(): vehicle and autopilot in closed loop, recorded at 30 Hz until something ends the flight."""
+"""fly(): vehicle and autopilot in closed loop, recorded at 30 Hz until something ends the flight, and its roll-out."""
 
 from __future__ import annotations
 
@@ -12,13 +12,17 @@ import numpy as np
 
 from aircraft.errors import FlightError
 from aircraft.state import AircraftState, Command
-from sim.flight.outcomes import LANDED, Limits, OutcomeMonitor
+from autopilot.approach import PHASES
+from autopilot.route import Route
+from sim.flight.outcomes import LANDED, ROLLOUT, STOPPED, TOUCHDOWN_ASIDE, Limits, OutcomeMonitor
 from sim.flight.record import RECORD_STEP, Event, Flight
-from sim.flight.rollout import roll_out
 
 MONITORED = 10  # records between two looks of the monitor, which looks at every one close to the ground
 LOW = 15.0  # m
 LARGEST_BANK = math.pi  # rad; no law means more
+STANDING = 0.5  # m/s over the ground; slower is a stop
+LONGEST_ROLLOUT = 180.0  # s
+NOTHING_ASKED = math.nan  # in a roll-out the wheels are commanded, not a path or a speed
 NEAR_GROUND = 60.0  # m; below, the autopilot runs at twice the rate for the flare
 
 
@@ -104,6 +108,56 @@ def fly(
         reason,
         gate_height,
         rollout,
+    )
+
+
+def roll_out(vehicle: Any, body: Any, route: Route, leg: int, runway: Any, gate_height: float | None) -> Flight | None:
+    """Roll a vehicle to its stop from the first record after a landing; None for one without wheels.
+
+    The crew sees the centreline, whatever the approach was flown on. How it ends is in ``outcome``: ``stopped``,
+    ``excursion`` (off the side of the runway), ``time_limit`` or ``diverged``.
+    """
+    law = vehicle.rollout(body)
+    if law is None:
+        return None
+    state = vehicle.read(body)
+    s = law.begin(state)
+    states: list[AircraftState] = []
+    outcome = ""
+    reason = ""
+    while not outcome:
+        states.append(state)
+        past, across = runway.from_local(state.north, state.east)
+        here = f"{past:.0f} m past the threshold, {abs(across):.1f} m off the centreline"
+        if math.hypot(state.velocity_north, state.velocity_east) < STANDING:
+            outcome, reason = STOPPED, f"stopped {here}"
+        elif abs(across) > TOUCHDOWN_ASIDE:
+            outcome, reason = "excursion", f"left the runway {here}, at {state.ground_speed:.1f} m/s"
+        elif len(states) * RECORD_STEP >= LONGEST_ROLLOUT:
+            outcome, reason = "time_limit", f"still rolling {here}, at {state.ground_speed:.1f} m/s"
+        else:
+            course = math.atan2(state.velocity_east, state.velocity_north)
+            track_error = math.remainder(course - runway.heading, math.tau)
+            heading_error = math.remainder(state.heading - runway.heading, math.tau)
+            s, controls, wheels = law.step(s, state, across, track_error, heading_error, RECORD_STEP)
+            try:
+                body = vehicle.roll(body, controls, wheels, RECORD_STEP)
+            except FlightError as error:
+                outcome, reason = "diverged", str(error)
+            state = vehicle.read(body)
+    asked = Command(0.0, 0.0, NOTHING_ASKED, NOTHING_ASKED, states[0].flaps, 1.0)
+    count = len(states)
+    return Flight(
+        route,
+        AircraftState(*np.array(states, float).T),
+        Command(*np.array([asked] * count, float).T),
+        np.full(count, leg),
+        np.full(count, PHASES.index(ROLLOUT)),
+        PHASES,
+        (Event(states[0].time, ROLLOUT), Event(states[-1].time, outcome, reason)),
+        outcome,
+        reason,
+        gate_height,
     )
 
 

@@ -19,6 +19,8 @@ from aircraft.state import (
 from autopilot.route import Route
 
 LANDED = "landed"  # the outcome after which an aircraft rolls out
+ROLLOUT = "rollout"  # the phase in which it does
+STOPPED = "stopped"  # the outcome of a roll-out that came to its end
 LONGEST_FLIGHT = 1800.0  # s
 TOUCHDOWN_BOX = (60.0, 823.0)  # m past the threshold [CS AWO.A.ALS.106, from memory]
 TOUCHDOWN_ASIDE = 21.0  # m off the centreline, of the same box: no scenario knows how wide its runway is

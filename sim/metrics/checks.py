@@ -9,8 +9,8 @@ import numpy as np
 from aircraft.units import SUFFIXES
 from autopilot.approach import PHASES
 from sim.errors import ScenarioError, did_you_mean
+from sim.flight.outcomes import ROLLOUT
 from sim.flight.record import RECORD_STEP, Flight
-from sim.flight.rollout import ROLLOUT
 from sim.metrics import signals, table
 from sim.scenario.tables import Check, Runway
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from aircraft.state import MAIN_WHEEL, STANDARD_GRAVITY, main_wheel_first
 from autopilot.landing import SCREEN_HEIGHT
+from sim.flight.outcomes import STOPPED
 from sim.flight.record import RECORD_STEP, Flight
-from sim.flight.rollout import STOPPED
 from sim.metrics.signals import bank_rate, crab, height_error
 from sim.scenario.tables import Runway
 from tracking.measurement import wrap

@@ -12,8 +12,8 @@ import pytest
 from aircraft.state import STANDARD_GRAVITY
 from sim.experiment import fly
 from sim.flight import loop
+from sim.flight.outcomes import STOPPED
 from sim.flight.preparation import prepare
-from sim.flight.rollout import STOPPED
 from sim.metrics.flight import flight_metrics
 from sim.scenario.reading import read
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from autopilot.landing import REFERENCE_MARGIN
+from sim.flight.outcomes import STOPPED
 from sim.flight.record import Flight
-from sim.flight.rollout import STOPPED
 from sim.observation.record import SensorRecord
 
 CLOSE = 50.0  # m from an antenna: there the noise of a range is a good part of it, and its angles mean little

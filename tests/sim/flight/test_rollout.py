@@ -16,9 +16,10 @@ from aircraft.wind import SteadyWind
 from autopilot.inner_loops import InnerLoops
 from autopilot.rollout import Rollout
 from sim.experiment import evaluate, fly
+from sim.flight.loop import roll_out
+from sim.flight.outcomes import ROLLOUT, STOPPED
 from sim.flight.preparation import prepare
 from sim.flight.record import RECORD_STEP
-from sim.flight.rollout import ROLLOUT, STOPPED, roll_out
 from sim.flight.vehicles import JsbsimBody
 from sim.metrics.checks import evaluate_checks
 from sim.metrics.flight import flight_metrics

@@ -17,6 +17,7 @@ import sim
 from aircraft.units import SUFFIXES
 from autopilot.route import Leg, Route
 from sim.cli.export import export
+from sim.flight.outcomes import STOPPED
 from sim.metrics import signals, table
 from sim.metrics.checks import evaluate_checks, unknown_names, with_examples
 from sim.metrics.figures import Context, Navigation
@@ -56,7 +57,16 @@ def approach(make_flight):
         main_wheels=(north >= 400.0).astype(float),
         specific_force_down=np.full(len(time), -9.8),
     )
-    return dataclasses.replace(flight, leg=(north > between[0]).astype(int))
+    rolling = np.arange(0.0, 20.0, 1 / 30)
+    rollout = make_flight(
+        time[-1] + 1 / 30 + rolling,
+        ["ground"] * len(rolling),
+        north=north[-1] + 58.0 * rolling * (1.0 - rolling / 40.0),
+        east=np.cos(rolling),
+        velocity_north=58.0 * (1.0 - rolling / 20.0),
+    )
+    rollout = dataclasses.replace(rollout, outcome=STOPPED)
+    return dataclasses.replace(flight, leg=(north > between[0]).astype(int), rollout=rollout)
 
 
 @pytest.mark.parametrize("row", table.METRICS, ids=lambda row: row.name)
