@@ -16,15 +16,15 @@ from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, Route, pattern_route
 from sim.flight.record import Event
-from sim.metrics.checks import evaluate_checks
 from sim.metrics.flight import flight_metrics
 from sim.reporting.figures import style
 from sim.reporting.figures.histories import bank_history
 from sim.reporting.figures.phase_portrait import phase_portrait
 from sim.reporting.figures.plan_view import plan_view
-from sim.reporting.run_page import write
+from sim.reporting.run_page import Seen, write
 from sim.scenario.reading import read
 from sim.scenario.tables import Runway
+from tests.sim.one_flight import judged
 
 LAW = LateralNavigation(0.0025, 0.029, np.radians(15.0), 412.0, 50.0)
 LARGEST = 3_000_000  # bytes, what the report may weigh
@@ -70,13 +70,14 @@ def written(tmp_path, flight, law=LAW, given=None, **more):
     figures = flight_metrics(flight, given.runway, given.autopilot.bank_limit)
     metrics = {
         "flight": figures,
-        "checks": evaluate_checks(given.checks, flight, given.runway, figures),
+        "checks": judged(given.checks, flight, given.runway, figures),
         "seed": 1,
         "draws": 130,
-    }
+    } | more
+    seen = Seen(0, flight, {}, {}, figures, metrics.get("trackers", {}))
     path = write(
-        tmp_path / "report.html", scenario=given, flight=flight, law=law, metrics=metrics | more,
-        versions={"shortfinal": "0.1.0"}, timing={"fly_s": 1.0},
+        tmp_path / "report.html", scenario=given, law=law, metrics=metrics,
+        versions={"shortfinal": "0.1.0"}, timing={"fly_s": 1.0}, flights=[seen],
     )  # fmt: skip
     return Page(path.read_text(encoding="utf-8"))
 
@@ -174,7 +175,7 @@ def test_several_flights_tell_how_all_of_them_ended(make_flight, tmp_path):
     summary = {"outcomes": {"go_around": 1, "landed": 19}, "touchdown.sink_mps": band}
     page = written(tmp_path, make_flight(np.arange(3.0), ["final"] * 3), flights=20, flights_summary=summary)
     assert page.text.count("Outcomes of all 20 flights: 19 landed, 1 go around.") == 2
-    assert "first of 20 flights" in page.text
+    assert "flight 0" in page.text
 
 
 def test_whatever_a_scenario_says_stays_text(make_flight, tmp_path):
