@@ -118,6 +118,8 @@ def run(
 
     Raises ``ScenarioError`` for anything that cannot be run.
     """
+    if workers < 1:
+        raise ScenarioError(f"workers must be at least 1, not {workers}")
     timing: dict[str, float] = {}
     with timed(timing, "prepare_s"):
         given = {"seed": seed, "flights": flights, "draws": draws}

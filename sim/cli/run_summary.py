@@ -18,16 +18,14 @@ def summary(metrics: dict[str, Any], again: str) -> str:
 
     ``again`` is how a flight is flown again, as ``run_again`` gives it.
     """
-    flight = metrics["flight"]
-    lines = [f"{metrics['scenario']}: {flight['reason']} ({flight['duration_s']:.0f} s, seed {metrics['seed']})"]
-    why = (flight.get("navigated") or {}).get("why")
-    lines += [f"why: {why}"] if why else []
-    several = metrics["flights"] > 1
+    flight, several = metrics["flight"], metrics["flights"] > 1
     if several:
-        outcomes = metrics["flights_summary"]["outcomes"]
-        lines.append(
-            f"{metrics['flights']} flights: " + ", ".join(f"{n} {name}" for name, n in sorted(outcomes.items()))
-        )
+        ended = _ended(metrics["flights_summary"]["outcomes"])
+        lines = [f"{metrics['scenario']}: {metrics['flights']} flights: {ended} (seed {metrics['seed']})"]
+    else:
+        lines = [f"{metrics['scenario']}: {flight['reason']} ({flight['duration_s']:.0f} s, seed {metrics['seed']})"]
+    why = (flight.get("navigated") or {}).get("why")
+    lines += [f"why{' (flight 0)' if several else ''}: {why}"] if why else []
     rows = [
         (name, channel, figure["rmse"], figure["raw"], figure["gain"])
         for name, tracker in metrics["trackers"].items()
@@ -53,6 +51,10 @@ def summary(metrics: dict[str, Any], again: str) -> str:
     return "\n".join(lines)
 
 
+def _ended(outcomes: dict[str, int]) -> str:
+    return ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
+
+
 def _checks(checks: list[dict[str, Any]], several: bool) -> list[str]:
     """The verdicts as an aligned table; of several flights also how many kept a check, and which decides."""
     verdicts = {None: "not flown", True: "passed", False: "FAILED"}
@@ -73,7 +75,7 @@ def _number(value: float | str | None) -> str:
 
 def study_summary(metrics: dict[str, Any], again: str) -> str:
     """How all flights ended, then the checks as an aligned table; ``again`` as in `summary`."""
-    ended = ", ".join(f"{count} {name}" for name, count in sorted(metrics["outcomes"].items()))
+    ended = _ended(metrics["outcomes"])
     lines = [f"{metrics['scenario']}: {metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}"]
     lines += [f"crashed: {reason}" for reason in metrics.get("crashes", ())[:MOST_REASONS]]
     if metrics["checks"]:

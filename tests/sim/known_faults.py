@@ -1,4 +1,4 @@
-"""Scenario files of six short flights each, some with a fault that only one flight after the first has.
+"""Scenario files of a few short flights each, some with a fault that only one flight after the first has.
 
 What every flight does is measured here on its record, by numpy and without the checks; a limit between the two largest
 values is then kept by all flights but one, and a limit above them by all.
@@ -49,11 +49,11 @@ class File(NamedTuple):
     faulty: int | None  # the one flight that breaks the check
 
 
-def measured(seed: int, metric: str, phase: str) -> list[float]:
+def measured(seed: int, flights: int, metric: str, phase: str) -> list[float]:
     """The figure of each flight, from its record."""
     prepared = prepare(sim.read({"name": "known", "seed": seed, **TABLES}))
     found = []
-    for number in range(FLIGHTS):
+    for number in range(flights):
         flight = sim.fly(prepared, number)
         if metric == TRACKER:
             found.append(position_error(prepared, flight, number))
@@ -75,12 +75,12 @@ def position_error(prepared: Any, flight: Any, number: int) -> float:
     return float(np.sqrt(np.mean(squares)))
 
 
-def files(count: int) -> Iterator[File]:
+def files(count: int, flights: int = FLIGHTS) -> Iterator[File]:
     """``count`` files with a fault in a flight after the first, and as many without any."""
     found = {True: 0, False: 0}
     for seed in range(1, 100 * count):
         metric, phase = ASKED[seed % len(ASKED)]
-        values = measured(seed, metric, phase)
+        values = measured(seed, flights, metric, phase)
         *_, second, worst = sorted(values)
         wanted = found[True] <= found[False]
         if wanted and (values[0] == worst or worst - second < 1e-3 * worst):
@@ -89,8 +89,8 @@ def files(count: int) -> Iterator[File]:
         found[wanted] += 1
         check = {"metric": metric, "during": phase, "max": limit, "source": "known"}
         name = f"{'bad' if wanted else 'good'}_{found[wanted]}"
-        repeat = "[study]\nsamples = 6" if seed % 3 else ""
-        text = written({"name": name, "seed": seed, "flights": 1 if repeat else FLIGHTS, **TABLES}, check) + repeat
+        repeat = f"[study]\nsamples = {flights}" if seed % 3 else ""
+        text = written({"name": name, "seed": seed, "flights": 1 if repeat else flights, **TABLES}, check) + repeat
         yield File(name, text, check, values.index(worst) if wanted else None)
         if min(found.values()) == count:
             return
