@@ -110,12 +110,14 @@ def _pages(scenario: Any, law: Any, metrics: dict[str, Any], flights: Iterable[S
     for place, seen in enumerate(flights):
         page = _page(scenario, law, {**metrics, "flight": seen.figures, "trackers": seen.trackers}, seen, place == 0)
         if place > 0:
+            every = len(page["charts"]) + len(page["tracker_charts"])
             page["charts"] = _fitting(page["charts"], room)
             page["tracker_charts"] = _fitting(page["tracker_charts"], room - _size(page["charts"]))
+            page["left_out"] = every - len(page["charts"]) - len(page["tracker_charts"])
         room -= _size(page["charts"]) + _size(page["tracker_charts"])
         room -= len(json.dumps(page["replay"]))
         yield page
-        if room < ROOM:
+        if room < ROOM or page.get("left_out"):
             return
 
 
