@@ -185,10 +185,17 @@ def test_a_page_draws_further_flights_while_there_is_room(make_flight, tmp_path,
     given, flight = scenario(), capture(make_flight)
     figures = flight_metrics(flight, given.runway, given.autopilot.bank_limit)
     checks = judged(given.checks, flight, given.runway, figures)
-    metrics = {"flight": figures, "checks": checks, "seed": 1, "flights": 4}
+    metrics = {
+        "flight": figures,
+        "checks": checks,
+        "seed": 1,
+        "flights": 4,
+        "flights_summary": {"outcomes": {"landed": 4}},
+    }
 
     def drawn(largest):
         monkeypatch.setattr(run_page, "LARGEST", largest)
+        monkeypatch.setattr(run_page, "ROOM", 20_000)
         asked = []
         flights = (asked.append(number) or Seen(number, flight, {}, {}, figures, {}) for number in (2, 0, 1, 3))
         write(
