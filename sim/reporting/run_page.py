@@ -23,6 +23,7 @@ from sim.reporting.text.outcome_sentence import first_clause
 from sim.reporting.text.references import FLIGHT_DYNAMICS, aircraft_sources, sources, what_ran
 from sim.reporting.text.rows import (
     beside_rows,
+    check_name,
     check_row,
     event_rows,
     every_flight,
@@ -82,7 +83,9 @@ def write(
         "report.html",
         **first,
         others=others,
-        every=every_flight(metrics.get("each_flight", ()), [check["name"] for check in metrics["checks"]])[:MOST_ROWS],
+        every=every_flight(metrics.get("each_flight", ()), [check_name(check) for check in metrics["checks"]])[
+            :MOST_ROWS
+        ],
         several=metrics["flights"] if several else 0,
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
         spread=spread_rows(metrics.get("flights_summary", {})),

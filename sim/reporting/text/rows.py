@@ -68,8 +68,8 @@ def every_flight(records: Sequence[dict[str, Any]], names: Sequence[str]) -> lis
             {
                 "flight": record["flight"],
                 "outcome": words(record["metrics"]["outcome"]),
-                "broken": ", ".join(words(name) for name, one in results if one["passed"] is False) or ABSENT,
-                "nearest": ABSENT if nearest is None else f"{number(100.0 * nearest[0], 1)} % ({words(nearest[1])})",
+                "broken": ", ".join(name for name, one in results if one["passed"] is False) or ABSENT,
+                "nearest": ABSENT if nearest is None else f"{number(100.0 * nearest[0], 1)} % ({nearest[1]})",
             }
         )
     return rows
