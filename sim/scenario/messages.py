@@ -37,6 +37,8 @@ TOLD = {  # pydantic's kind of error -> what the value must be
     "too_long": "must have {max_length} values, not {actual_length}",
 }
 
+MOVED = {("study", "checks"): "write each under [[checks]], with its share and confidence"}  # keys of old files
+
 
 def report_faults(origin: str, faults: Iterable[str]) -> str:
     """One line for each different fault, and at the end how many more there are."""
@@ -71,6 +73,8 @@ def fault(model: type[BaseModel], item: Any) -> str:
     location = list(item["loc"])
     if item["type"] == "extra_forbidden":
         place, key = location[:-1], str(location[-1])
+        if (*place, key) in MOVED:
+            return f"{_place(place)}{key}: no such key; {MOVED[*place, key]}"
         allowed = _keys(model, place)
         same = [name for name in allowed if stem(name) == stem(key)]
         hint = f"write it as {' or '.join(same[:3])}" if same and stem(key) != key else did_you_mean(key, allowed)
