@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sim.errors import ScenarioError
+from sim.estimation import assumed_height
 from sim.estimation.navigator import navigator
 from sim.estimation.setup import check
 from sim.estimation.tracking_run import Tracked, track
@@ -134,6 +135,7 @@ def run(
         "warnings": [
             *prepared.warnings,
             *warnings(flown[0], found.flight, scenario.sensors, found.records, found.trackers),
+            *assumed_height.remarks(prepared, flown[0], found.records),
         ],
     }
     return Result(prepared, flown, found.records, found.tracks, metrics, timing | found.timing)

@@ -26,7 +26,12 @@ from tracking.track import TrackerError
 
 
 def reads_places(tracker: Any) -> bool:
-    return dataclasses.is_dataclass(tracker) and "measurement" in _given(type(tracker))
+    return dataclasses.is_dataclass(tracker) and uses_places(type(tracker))
+
+
+def uses_places(cls: type) -> bool:
+    """Whether trackers of a class update with a place on the ground plane."""
+    return "measurement" in _given(cls)
 
 
 def listened(prepared: Prepared, name: str, tracker: Any, sensors: Iterable[str]) -> tuple[str, ...]:
