@@ -13,6 +13,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
+from tracking.gaussian import lift
 from tracking.measurement import Linear, MeasurementModel
 from tracking.motion import CARTESIAN
 
@@ -22,8 +23,9 @@ Array = Any
 # standard deviations.
 LEVEL_SIGMA = 0.3048 * 300.0 / 3.0  # m
 
-# How far a change of height may lie before or behind its place in the plan, all places alike: a turn is begun some
-# seconds early or late, and speed, wind and slope differ from the plan by some per cent.
+# How far a change of height may lie before or behind its place in the plan, all places alike, and how far beside its leg
+# an aircraft may be: a turn is begun some seconds early or late and cuts the corner, and speed, wind and slope differ
+# from the plan by some per cent.
 DISPLACED = 1000.0  # m
 PLACES = 9  # in the mean over them
 
@@ -48,11 +50,14 @@ class HeightProfile:
     """The heights planned along the legs of a route, in tuples: a value that compares.
 
     At a place the leg is the one that is nearest, where a course that is off by an angle counts as far as the chord of
-    the turn onto the leg, so that of two legs that cross or lie on each other it is the one in whose direction the
-    aircraft moves. Which leg is truly flown is not asked: between legs, or off the route, the height is a guess.
+    the turn onto the leg, so that of two legs that cross it is the one in whose direction the aircraft moves. Legs that
+    are nearly as near count with the weight of a normal density of `DISPLACED`: of two that lie on each other the
+    height is the mean and what they differ by is in the variance. Which leg is truly flown is not asked; off the route
+    the height is that of the nearest legs.
 
-    The variance is that of a level that is kept, plus the mean square of what the height would differ by if the plan
-    lay up to `DISPLACED` earlier or later. On the glide path, which is tied to the ground, it is the first alone.
+    The variance on a leg is that of a level that is kept, plus the mean square of what the height would differ by if
+    the plan lay up to `DISPLACED` earlier or later. On the glide path, which is tied to the ground, it is the first
+    alone.
     An error of the height is taken as independent from look to look, which one of the chart is not: where it lasts,
     a tracker is as wrong as it says in a single look, and not as sure as it says after many.
     """
@@ -86,23 +91,23 @@ class HeightProfile:
 
     def at(self, north: Array, east: Array, north_rate: Array = 0.0, east_rate: Array = 0.0) -> ChartHeight:
         """The height at places (*B) for an aircraft that moves so."""
-        lines = self._lines
+        ones = (1,) * np.ndim(north)
+        start_north, start_east, along_north, along_east, length, before = (v.reshape(-1, *ones) for v in self._lines)
+        off_north, off_east = north - start_north, east - start_east
+        way = np.clip(off_north * along_north + off_east * along_east, 0.0, length)
+        places, planned, variances = self._planned
+        along = way + before
+        height, variance = np.interp(along, places, planned), np.interp(along, places, variances)
         if len(self.legs) == 1:
-            start_north, start_east, along_north, along_east, length, _ = (value[0] for value in lines)
-            way = (north - start_north) * along_north + (east - start_east) * along_east
-            along = np.clip(way, 0.0, length)
-        else:
-            ones = (1,) * np.ndim(north)
-            start_north, start_east, along_north, along_east, length, before = (v.reshape(-1, *ones) for v in lines)
-            off_north, off_east = north - start_north, east - start_east
-            way = np.clip(off_north * along_north + off_east * along_east, 0.0, length)
-            square = (off_north - way * along_north) ** 2 + (off_east - way * along_east) ** 2
-            speed = np.maximum(np.hypot(north_rate, east_rate), 1e-9)
-            cosine = (north_rate * along_north + east_rate * along_east) / speed
-            leg = np.argmin(square - 2.0 * self.turn_radius**2 * cosine, axis=0)[None]  # chord^2 = 2 R^2 (1 - cosine)
-            along = np.take_along_axis(way + before, leg, axis=0)[0]
-        places, planned, variance = self._planned
-        return ChartHeight(np.interp(along, places, planned), np.interp(along, places, variance))
+            return ChartHeight(height[0], variance[0])
+        square = (off_north - way * along_north) ** 2 + (off_east - way * along_east) ** 2
+        speed = np.maximum(np.hypot(north_rate, east_rate), 1e-9)
+        cosine = (north_rate * along_north + east_rate * along_east) / speed
+        square -= 2.0 * self.turn_radius**2 * cosine  # chord^2 = 2 R^2 (1 - cosine)
+        weight = np.exp((square.min(axis=0) - square) / (2.0 * DISPLACED**2))
+        weight /= weight.sum(axis=0)
+        mean = (weight * height).sum(axis=0)
+        return ChartHeight(mean, (weight * (variance + (height - mean) ** 2)).sum(axis=0))
 
 
 def with_elevation(z: Array, R: Array, height: Array, variance: Array) -> tuple[Array, Array]:
@@ -116,13 +121,15 @@ def with_elevation(z: Array, R: Array, height: Array, variance: Array) -> tuple[
     sine = np.clip(height / slant, -1.0, 1.0)
     cosine = np.maximum(np.sqrt(1.0 - sine * sine), 1e-9)
     per_range, per_height = -sine / (slant * cosine), 1.0 / (slant * cosine)
-    parts = np.broadcast_arrays(
-        *(R[0, 0], R[0, 1], per_range * R[0, 0]),
-        *(R[1, 0], R[1, 1], per_range * R[0, 1]),
-        *(per_range * R[0, 0], per_range * R[0, 1], per_range**2 * R[0, 0] + per_height**2 * variance),
-    )
-    covariance = np.array(parts).reshape(3, 3, *parts[0].shape)
-    return np.array(np.broadcast_arrays(slant, z[1], np.arcsin(sine))), covariance
+    shape = np.broadcast_shapes(np.shape(sine), np.shape(z[1]))
+    polar = np.empty((3, *shape))
+    polar[0], polar[1], polar[2] = slant, z[1], np.arcsin(sine)
+    covariance = np.empty((3, 3, *np.broadcast_shapes(shape, R.shape[2:])))
+    covariance[:2, :2] = lift(R[:2, :2], 2, covariance.ndim - 2)
+    covariance[0, 2] = covariance[2, 0] = per_range * R[0, 0]
+    covariance[1, 2] = covariance[2, 1] = per_range * R[0, 1]
+    covariance[2, 2] = per_range**2 * R[0, 0] + per_height**2 * variance
+    return polar, covariance
 
 
 @dataclass(frozen=True)
