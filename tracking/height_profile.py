@@ -23,9 +23,9 @@ Array = Any
 # standard deviations.
 LEVEL_SIGMA = 0.3048 * 300.0 / 3.0  # m
 
-# How far a change of height may lie before or behind its place in the plan, all places alike, and how far beside its leg
-# an aircraft may be: a turn is begun some seconds early or late and cuts the corner, and speed, wind and slope differ
-# from the plan by some per cent.
+# How far a change of height may lie before or behind its place in the plan, all places alike, and how far beside its
+# leg an aircraft may be: a turn is begun some seconds early or late and cuts the corner, and speed, wind and slope
+# differ from the plan by some per cent.
 DISPLACED = 1000.0  # m
 PLACES = 9  # in the mean over them
 
@@ -81,7 +81,7 @@ class HeightProfile:
     def _planned(self) -> tuple[Array, Array, Array]:
         """(along, height, variance), denser than given: the variance bends where a displaced plan does."""
         along, height = np.array(self.along), np.array(self.height)
-        offsets = np.linspace(-DISPLACED, DISPLACED, PLACES)
+        offsets = DISPLACED * ((2.0 * np.arange(PLACES) + 1.0) / PLACES - 1.0)  # the middles of equal parts
         changes = np.diff(height, prepend=height[0])[along <= self.glide_path_from].any()
         places = np.unique((along[:, None] + offsets).clip(along[0], along[-1])) if changes else along
         planned = np.interp(places, along, height)
