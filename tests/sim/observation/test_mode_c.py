@@ -62,7 +62,7 @@ def test_the_qnh_is_taken_off(qnh):
 
 @pytest.mark.parametrize("celsius", [-30.0, -10.0, 35.0])
 def test_a_cold_day_puts_the_aircraft_below_what_it_says(celsius):
-    """The correction to a true height H above a field at sea level, H (15 - t) / (273 + t - 0.0065 H / 2) [Doc 8168]."""
+    """The correction to a true height H above sea level, H (15 - t) / (273 + t - 0.0065 H / 2) [Doc 8168]."""
     radar = SurveillanceRadar(height="mode_c", air=Air(0.0, FREEZING + celsius))
     shown = float(np.mean(told(radar, 1000.0).z[2]))
     correction = 1000.0 * (15.0 - celsius) / (273.0 + celsius - 0.5 * 0.0065 * 1000.0)
