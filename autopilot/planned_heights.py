@@ -65,11 +65,9 @@ def _stretches(approach: Approach, first: int) -> Iterator[tuple[float, float, f
         following = route.legs[number + 1]
         turn = route.turn(number, following.speed, bank)
         yield end - turn.entry, leg.height, leg.speed, over_ground
-        rolling = route.time_to_roll if turn.entry > 0.0 else 0.0
-        time = rolling + turn.duration
-        if time > 0.0:
-            way = turn.entry + max(turn.exit, 0.0)
-            yield end + max(turn.exit, 0.0), following.height, following.speed, way / time
+        way, time = turn.entry + turn.exit, turn.duration + route.time_to_roll
+        if turn.duration > 0.0 and way > 0.0:  # on a straight line the next leg's level is ordered at its beginning
+            yield end + turn.exit, following.height, following.speed, way / time
 
 
 def _with_glide_path(approach: Approach, landing: Landing, points: list[PlannedHeight]) -> tuple[PlannedHeight, ...]:
