@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from sim.estimation.assumed_height import remarks
+from sim.estimation.navigator import navigator
 from sim.estimation.setup import build, height_profile
 from sim.experiment import evaluate, fly
 from sim.flight.preparation import prepare
@@ -130,3 +131,13 @@ def test_an_assumed_height_is_that_of_the_believed_place():
     descended = 1990.0 - 3.9e3 * math.radians(2.5)
     assert believed[1] == pytest.approx(math.sqrt(slant[1] ** 2 - descended**2), abs=10.0)
     assert believed[1] - true[1] > 50.0
+
+
+def test_a_height_that_the_ground_is_told_lands_nobody():
+    """Below decision height the radio altimeter serves, whatever radar with Mode C stands before it in the file."""
+    tables = dict(read("an26_mls_anomalies").tables)
+    sensors = dict(tables["sensors"])
+    (altimeter,) = (name for name, one in sensors.items() if one["kind"] == "radio_altimeter")
+    last = {"told": {"kind": "surveillance_radar", "height": "mode_c"}, altimeter: sensors.pop(altimeter)}
+    led = navigator(prepare(read({**tables, "sensors": sensors | last})), 0)
+    assert led.altimeter[0] == altimeter
