@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sim.errors import ScenarioError
+from sim.estimation import assumed_height
 from sim.estimation.navigator import navigator
 from sim.estimation.setup import check
 from sim.estimation.tracking_run import Tracked, track
@@ -152,6 +153,7 @@ def run(
     told = [
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, found.records, found.trackers),
+        *assumed_height.remarks(prepared, flown, found.records),
     ]
     metrics = {
         "scenario": scenario.name,

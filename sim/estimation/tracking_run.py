@@ -12,7 +12,7 @@ from sim.errors import ScenarioError
 from sim.estimation.batching import can_batch, repeat_runs, split_track, stack_laws
 from sim.estimation.look_ahead import LookAhead
 from sim.estimation.prior import prior
-from sim.estimation.setup import adopt, build, chart_height, listened
+from sim.estimation.setup import adopt, build, height_profile, listened
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics import conformance
@@ -152,7 +152,7 @@ def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Ou
     except TrackerError as error:
         raise ScenarioError(f"[trackers.{first.name}] {error}") from error
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-        plots = plot_errors(flight, sensors, chart_height(watch.prepared), record)
+        plots = plot_errors(flight, sensors, height_profile(watch.prepared), record)
         return [
             _judged(watch, entry, own, tracker_errors(flight, sensors, own, plots), looked)
             for entry, own, looked in zip(group, tracks, looks, strict=True)
