@@ -236,15 +236,19 @@ class Approach:
         landing = self.landing
         if landing is None or phase <= FINAL or phase == GO_AROUND:
             angle = self.level_change_angle if landing is None or phase <= FINAL else landing.climb_angle
-            wanted = saturate((level - height) / self.height_time, airspeed * angle)
-            climb_rate = rate_limit(climb_rate, wanted, self.level_acceleration, dt)
-            height += climb_rate * dt
-            return (level, 0.0) if abs(level - height) < SETTLED and abs(climb_rate) < SETTLED else (height, climb_rate)
+            return self.towards(level, height, climb_rate, airspeed * angle, dt)
         if phase == GLIDE:
             height, slope = landing.path(distance, level, self._bend)
             return height, slope * over_ground
         sink = landing.flare_sink(height - landing.wheel_height) if phase == FLARE else landing.touchdown_sink
         return height - sink * dt, -sink
+
+    def towards(self, level: float, height: float, climb_rate: float, fastest: float, dt: float) -> tuple[float, float]:
+        """Height, m, and its rate, m/s, a time ``dt`` later on the way to a level, no faster than ``fastest``."""
+        wanted = saturate((level - height) / self.height_time, fastest)
+        climb_rate = rate_limit(climb_rate, wanted, self.level_acceleration, dt)
+        height += climb_rate * dt
+        return (level, 0.0) if abs(level - height) < SETTLED and abs(climb_rate) < SETTLED else (height, climb_rate)
 
     def _speed(
         self, phase: int, leg: int, distance: float, airspeed: float, state: AircraftState, sink: float, dt: float

@@ -32,7 +32,7 @@ that is the same for all draws has 1 of them, or no such axis. What is absent is
 Data
 ----
 - `Scenario` - a file as it was read, whole and checked, in SI (sim.scenario.model)
-    - ``name``, ``seed``; ``flights``, each with its own air; ``draws`` of noise on flight 0; ``until`` s or None
+    - ``name``, ``seed``; ``flights``, each with its own air; ``draws`` of noise on each; ``until`` s or None
     - ``runway``, ``aircraft``, ``start``, ``route``, ``autopilot``, ``wind`` - their tables (sim.scenario.tables)
     - ``air`` - density, temperature and pressure over the runway (aircraft.air)
     - ``mode`` - the kind of law that flies, ``modes`` - the classes of all laws that are named; ``law`` - what the file
@@ -84,8 +84,10 @@ Data
       that it was given; ``track``; ``curves`` - its errors over time, for figures (sim.metrics.error_curves);
       ``rollout`` - its Track after the landing, or None
 - `Result` - what a run found out (sim.result)
-    - ``prepared``, ``scenario``; ``flights``, and ``flight``, the first, which sensors and trackers watch
-    - ``records`` and ``tracks`` - SensorRecord and Tracked by name; ``metrics`` - as in metrics.json; ``timing`` s
+    - ``prepared``, ``scenario``; ``metrics`` - as in metrics.json, of all flights; ``broken`` - a sentence for each
+      check that failed; ``timing`` s; ``own`` - trackers that the caller brought
+    - of one flight, the first or the only one, everything: its ``number``; ``flight``; ``records`` and ``tracks`` -
+      SensorRecord and Tracked by name. ``sim.run(..., flight=3)`` has another
 
 Errors
 ------

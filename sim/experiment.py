@@ -1,41 +1,56 @@
-"""The verbs of a run in order: fly, observe, track, report; and ``run``, which does them all."""
+"""The verbs of a run in order: fly, observe, track, report; and ``run``, which does them all.
+
+``evaluate`` is what every door does with a flight, and ``record_of`` what is kept of it; the verdict over the records
+of all flights is given by ``sim.metrics.ensemble.verdict``.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import functools
+import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sim.errors import ScenarioError
+from sim.estimation import assumed_height
 from sim.estimation.navigator import navigator
 from sim.estimation.setup import check
 from sim.estimation.tracking_run import Tracked, track
-from sim.files import claim, refuse_foreign, staged, write_json, write_npz
+from sim.files import claim, plain, refuse_foreign, staged, write_json, write_npz
 from sim.flight import loop as flights
 from sim.flight.departures import with_departure_events
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Flight
 from sim.metrics.checks import evaluate_checks, unknown_names
-from sim.metrics.flight import flight_metrics, summarise
+from sim.metrics.ensemble.spread import summary
+from sim.metrics.ensemble.trackers import over_flights
+from sim.metrics.ensemble.verdict import CRASHED, refuse_unfit, verdicts, worst_first
+from sim.metrics.flight import flight_metrics
 from sim.metrics.navigation import navigation_quality
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
 from sim.reporting.text.warnings import warnings
 from sim.result import Result, timed
 from sim.scenario import reading
-from sim.scenario.budget import refuse_too_much
+from sim.scenario.axes import samples
+from sim.scenario.budget import refuse_too_much, refuse_workers
 from sim.scenario.model import Scenario
-from sim.scenario.plugins import Part, catalogue_with, digests, load_parts, said
+from sim.scenario.plugins import Catalogue, Part, catalogue_with, digests, load_parts, said
+from sim.scenario.tables import Check
 from sim.scenario.toml_writer import dumps
 from sim.versions import versions
-from sim.workers.executors import FLIGHT_TIME_LIMIT
+from sim.workers.executors import FLIGHT_TIME_LIMIT, LocalExecutor, Lost
 from sim.workers.isolation import run_isolated
 from sim.workers.sharing import helper
 
+if TYPE_CHECKING:
+    from sim.reporting.run_page import Seen
+
 FEW = 4  # trackers are done before a helper process has got ready
+SHOWN = 3  # flights that a report draws
 
 
 def read(
@@ -84,6 +99,8 @@ def run(
     seed: int | None = None,
     flights: int | None = None,
     draws: int | None = None,
+    flight: int | None = None,
+    workers: int = 1,
     overrides: dict[str, Any] | None = None,
     trackers: dict[str, Any] | None = None,
     plugins: Any = (),
@@ -95,6 +112,8 @@ def run(
     Parameters
     ----------
     source : a file, a bundled name, a dict of tables or a scenario
+    flight : the number of one flight, to fly it alone; of a study with what is drawn for it
+    workers : processes that share the flights beside the first; the numbers do not depend on it
     overrides : ``{"table.key": value}`` in the spelling of files
     trackers : further trackers by name, objects of the ``tracking.track.Tracker`` protocol
     plugins : what brings kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``
@@ -102,6 +121,8 @@ def run(
 
     Raises ``ScenarioError`` for anything that cannot be run.
     """
+    if workers < 1:
+        raise ScenarioError(f"workers must be at least 1, not {workers}")
     timing: dict[str, float] = {}
     with timed(timing, "prepare_s"):
         given = {"seed": seed, "flights": flights, "draws": draws}
@@ -110,38 +131,168 @@ def run(
         if isinstance(source, Scenario):
             catalogue, source = catalogue.also(source.parts), source.tables
         scenario = read(source, changes, plugins=catalogue)
-        refuse_too_much(scenario)
+        if flight is None:
+            refuse_too_much(scenario)
+            refuse_workers(workers if workers > 1 else 0)
+            refuse_unfit_run(scenario, trackers or {})
+        else:
+            scenario = drawn_for(scenario, flight, catalogue)
         prepared = prepare(scenario)
         check(prepared, trackers)
     if remark is not None:
         for sentence in prepared.warnings:
             remark(sentence)
-    with timed(timing, "fly_s"):
-        numbers: Any = range(scenario.flights)
-        if progress is not None and scenario.flights > 1:
-            numbers = progress(numbers, scenario.flights, "flights")
-        flown = tuple(fly(prepared, number) for number in numbers)
-
-    found = evaluate(prepared, flown[0], own=trackers)
+    checks = scenario.checks if flight is None else tuple(map(of_one_flight, scenario.checks))
+    numbers = range(scenario.repetitions) if flight is None else (flight,)
+    crashes, number, flown, found = _first(prepared, numbers, trackers, timing)
     if found.navigated is not None:
-        found.navigated["on_truth"] = _on_truth(prepared)
-    others = [flight_metrics(one, scenario.runway, prepared.law.bank_limit, prepared.stall_speed) for one in flown[1:]]
+        found.navigated["on_truth"] = _on_truth(prepared, number)
+    records = [*crashes, record_of(number, found)]
+    with timed(timing, "other_flights_s"):
+        records += _others(prepared, numbers[len(records) :], trackers, workers, progress)
+    before = _until(flown, found.records)
+    told = [
+        *prepared.warnings,
+        *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
+        *assumed_height.remarks(prepared, flown, before),
+    ]
     metrics = {
         "scenario": scenario.name,
         "seed": scenario.seed,
-        "flights": scenario.flights,
+        "flights": len(records),
         "draws": scenario.draws,
         "versions": versions(digests(scenario.parts)),
         "flight": {**found.flight, "navigated": found.navigated},
-        "flights_summary": summarise([found.flight, *others]),
-        "trackers": found.trackers,
-        "checks": found.checks,
-        "warnings": [
-            *prepared.warnings,
-            *warnings(flown[0], found.flight, scenario.sensors, _until(flown[0], found.records), found.trackers),
-        ],
+        "flights_summary": summary(records),
+        "trackers": found.trackers if len(records) == 1 else over_flights(records),
+        "checks": verdicts(checks, records),
+        "warnings": [*told, *_about_study(scenario)] if flight is None else told,
     }
-    return Result(prepared, flown, found.records, found.tracks, metrics, timing | found.timing)
+    if len(records) > 1:
+        metrics["each_flight"] = records
+    return Result(prepared, number, flown, found.records, found.tracks, metrics, timing | found.timing, trackers or {})
+
+
+def refuse_unfit_run(scenario: Scenario, own: Iterable[str] = ()) -> None:
+    """Raise ``ScenarioError`` for checks that the flights of a run cannot answer; ``own`` are the caller's trackers."""
+    more = "" if scenario.study is None else "; 'study' flies its [study]"
+    refuse_unfit(scenario.name, scenario.checks, scenario.repetitions, (*scenario.trackers, *own), more)
+
+
+def _about_study(scenario: Scenario) -> list[str]:
+    """A run of a scenario whose study varies something says that it is not the study."""
+    if scenario.study is None or not scenario.study.varied:
+        return []
+    return ["these verdicts are about the scenario as it stands, not about its [study]: 'study' flies that"]
+
+
+def of_one_flight(asked: Check) -> Check:
+    """A check as it is asked of one flight alone."""
+    return dataclasses.replace(asked, share=None, confidence=None, probability_max=None)
+
+
+def drawn_for(scenario: Scenario, flight: int, catalogue: Catalogue) -> Scenario:
+    """The scenario of one flight: of a study with the values that are drawn for it, and gains designed without them.
+
+    Raises ``ScenarioError`` for a flight that the scenario, or each cell of its study, does not have.
+    """
+    drawn = 1 if scenario.study is None else scenario.study.samples
+    if not 0 <= flight < scenario.flights * drawn:
+        last = scenario.flights * drawn - 1
+        raise ScenarioError(f"{scenario.name}: flight: there are flights 0 to {last}, not {flight}")
+    if scenario.study is None:
+        return scenario
+    values = samples(scenario.study.varied, drawn, scenario.seed)[flight // scenario.flights]
+    if not values:
+        return scenario
+    gains = prepare(scenario).gains.designed.to_table()
+    return read({**scenario.tables, "designed": gains}, values, plugins=catalogue)
+
+
+def _first(
+    prepared: Prepared, numbers: Sequence[int], own: dict[str, Any] | None, timing: dict[str, float]
+) -> tuple[list[dict[str, Any]], int, Flight, Evaluation]:
+    """The first flight that has an end, with its number, and records of those before; raises where none has."""
+    crashes: list[dict[str, Any]] = []
+    while True:
+        number = numbers[len(crashes)]
+        try:
+            with timed(timing, "fly_s"):
+                flight = fly(prepared, number)
+            return crashes, number, flight, evaluate(prepared, flight, number, own)
+        except ScenarioError as error:
+            if number == numbers[-1]:
+                raise
+            crashes.append(lost_record(number, str(error)))
+
+
+def _others(
+    prepared: Prepared,
+    numbers: Sequence[int],
+    own: dict[str, Any] | None,
+    workers: int,
+    progress: Callable[..., Any] | None,
+) -> list[dict[str, Any]]:
+    """Records of further flights, in their order."""
+    if not numbers:
+        return []
+    found: dict[int, dict[str, Any]] = {}
+    ended: Iterable[tuple[int, Any]] = _elsewhere(prepared, numbers, own, workers)
+    if workers == 1:
+        ended = ((number, recorded(prepared, number, own)) for number in numbers)
+    for number, record in progress(ended, len(numbers), "flights") if progress is not None else ended:
+        found[number] = lost_record(number, record.reason) if isinstance(record, Lost) else record
+    return [found[number] for number in numbers]
+
+
+def _elsewhere(
+    prepared: Prepared, numbers: Sequence[int], own: dict[str, Any] | None, workers: int
+) -> Iterator[tuple[int, Any]]:
+    """Number and record of flights, or ``Lost``, as worker processes end them."""
+    tables = {**prepared.scenario.tables, "designed": prepared.gains.to_table(), "study": None}
+    executor = LocalExecutor(min(workers, len(numbers)))
+    try:
+        for number in numbers:
+            executor.submit(number, _recorded_there, json.dumps(tables), prepared.scenario.parts, number, own)
+        yield from executor.finished()
+    finally:
+        executor.close()
+
+
+def _recorded_there(tables: str, parts: tuple[Part, ...], number: int, own: dict[str, Any] | None) -> dict[str, Any]:
+    """In a worker: the record of a flight."""
+    return recorded(prepared_from(tables, parts), number, own)
+
+
+@functools.lru_cache(maxsize=1)
+def prepared_from(tables: str, parts: tuple[Part, ...]) -> Prepared:
+    """The preparation of tables in JSON, shared by flights that come one after another in a worker."""
+    scenario = read(json.loads(tables), plugins=parts)
+    if not scenario.trackers:
+        scenario = dataclasses.replace(scenario, sensors={})  # nobody listens to them
+    return prepare(scenario)
+
+
+def recorded(prepared: Prepared, number: int, own: dict[str, Any] | None = None) -> dict[str, Any]:
+    """The record of one flight, flown, observed, tracked and judged; one that cannot be flown is a record too."""
+    try:
+        return record_of(number, evaluate(prepared, fly(prepared, number), number, own))
+    except ScenarioError as error:
+        return lost_record(number, str(error))
+
+
+def record_of(number: int, found: Evaluation) -> dict[str, Any]:
+    """What is kept of a flight, as JSON holds it: its number, its figures, and what each check found."""
+    figures = found.flight | ({"trackers": found.trackers, "navigated": found.navigated} if found.trackers else {})
+    if found.navigated is not None:  # the flight beside it is not its own
+        figures["navigated"] = {key: value for key, value in found.navigated.items() if key != "on_truth"}
+    record: dict[str, Any] = plain({"flight": number, "metrics": figures, "checks": found.checks})
+    return record
+
+
+def lost_record(number: int, reason: str, outcome: str = CRASHED) -> dict[str, Any]:
+    """The record of a flight without a result."""
+    return {"flight": number, "metrics": {"outcome": outcome, "reason": reason}, "checks": []}
 
 
 class Evaluation(NamedTuple):
@@ -185,11 +336,11 @@ def _until(flight: Flight, records: dict[str, SensorRecord]) -> dict[str, Sensor
     return {name: record.until(end) for name, record in records.items()}
 
 
-def _on_truth(prepared: Prepared) -> dict[str, Any]:
-    """Figures of flight 0 as it goes when the autopilot sees the truth."""
+def _on_truth(prepared: Prepared, number: int) -> dict[str, Any]:
+    """Figures of a flight as it goes when the autopilot sees the truth."""
     autopilot = dataclasses.replace(prepared.scenario.autopilot, navigation="truth")
     twin = dataclasses.replace(prepared, scenario=dataclasses.replace(prepared.scenario, autopilot=autopilot))
-    return flight_metrics(fly(twin), prepared.scenario.runway, prepared.law.bank_limit, prepared.stall_speed)
+    return flight_metrics(fly(twin, number), prepared.scenario.runway, prepared.law.bank_limit, prepared.stall_speed)
 
 
 def run_to_folder(
@@ -199,14 +350,17 @@ def run_to_folder(
     progress: Callable[..., Any] | None = None,
     plugins: Any = (),
     remark: Callable[[str], None] | None = None,
+    flight: int | None = None,
+    workers: int = 1,
 ) -> tuple[Path, Result]:
-    """Run a scenario into a folder, ``out/NAME`` unless told otherwise."""
+    """Run a scenario into a folder, ``out/NAME`` unless told otherwise; one flight alone into ``out/NAME_flight_K``."""
     started = time.perf_counter()
     scenario = read(source, overrides, plugins=plugins)
-    folder = out if out is not None else Path("out") / scenario.name
+    name = scenario.name if flight is None else f"{scenario.name}_flight_{flight}"
+    folder = out if out is not None else Path("out") / name
     refuse_foreign(folder, "run")
     with helper(len(scenario.trackers) >= FEW, functools.partial(_get_ready, scenario.parts)):
-        result = run(scenario, progress=progress, remark=remark)
+        result = run(scenario, flight=flight, workers=workers, progress=progress, remark=remark)
         claim(folder, "run")
         with staged(folder) as place:
             report(result, place)
@@ -225,24 +379,47 @@ def _get_ready(parts: tuple[Part, ...]) -> None:
 
 
 def report(result: Result, folder: Path) -> None:
-    """Write the files of a run into an existing folder."""
+    """Write the files of a run into an existing folder.
+
+    The arrays are those of the flight that the result has as a whole. Of several flights the page shows the worst
+    first, and a few more, which are flown again: nothing else was kept of them.
+    """
     from sim.reporting.run_page import write
 
     with timed(result.timing, "report_s"):
-        scenario, first = result.scenario, result.flight
-        resolved = {**scenario.tables, "designed": result.prepared.gains.to_table()}
+        resolved = {**result.scenario.tables, "designed": result.prepared.gains.to_table()}
         (folder / "scenario.toml").write_text(dumps(resolved))
         write_json(folder / "metrics.json", result.metrics)
-        write_npz(folder / "flight.npz", flight_arrays(first.whole))
+        write_npz(folder / "flight.npz", flight_arrays(result.flight.whole))
         write_npz(folder / "measurements.npz", measurement_arrays(result.records))
         write_npz(folder / "tracks.npz", track_arrays(result.tracks))
         write(
             folder / "report.html",
-            scenario=scenario,
-            flight=first,
+            scenario=result.scenario,
             law=result.prepared.law,
             metrics=result.metrics,
             versions=result.metrics["versions"],
-            tracked=result.tracks,
-            records=result.records,
+            flights=_seen(result),
         )
+
+
+def _seen(result: Result) -> Iterator[Seen]:
+    """The flights of a report, the worst first, each seen whole before the next is flown."""
+    from sim.reporting.run_page import Seen
+
+    each = {one["flight"]: one for one in result.metrics.get("each_flight", ())}
+    flown = [one["flight"] for one in worst_first([*each.values()]) if one["metrics"]["outcome"] != CRASHED]
+    shown = flown[:SHOWN] or [result.number]
+    if result.number not in shown:
+        shown[-1] = result.number
+    for number in shown:
+        if number == result.number:
+            trackers = each[number]["metrics"].get("trackers", {}) if each else result.metrics["trackers"]
+            yield Seen(number, result.flight, result.records, result.tracks, result.metrics["flight"], trackers)
+        else:
+            flight = fly(result.prepared, number)
+            found = evaluate(result.prepared, flight, number, result.own)
+            if found.navigated is not None:
+                found.navigated["on_truth"] = _on_truth(result.prepared, number)
+            figures = {**found.flight, "navigated": found.navigated}
+            yield Seen(number, flight, found.records, found.tracks, figures, found.trackers)

@@ -1,16 +1,19 @@
 """Scenario checks under pytest: every check of a ``*.scenario.toml`` is a test, and ``shortfinal`` flies any scenario.
 
-Heavy imports wait until something is flown, since every pytest run of the environment loads this module. A flight is
-flown once in a process; under pytest-xdist, ``--dist loadfile`` keeps the checks of a file in one.
+A file with ``[study]`` is flown as that study, into a folder that is thrown away. Heavy imports wait until something is
+flown, since every pytest run of the environment loads this module. A scenario is flown once in a process; under
+pytest-xdist, ``--dist loadfile`` keeps the checks of a file in one.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import shutil
+import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -20,7 +23,7 @@ USED = pytest.StashKey[list[Any]]()  # of an item: the results that it looked at
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """``--shortfinal-report=DIR``, and ``shortfinal_plugins`` of the ini file."""
+    """``--shortfinal-report=DIR``; of the ini file ``shortfinal_plugins`` and ``shortfinal_workers``."""
     group = parser.getgroup("shortfinal", "scenario checks")
     group.addoption(
         "--shortfinal-report",
@@ -33,6 +36,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "Python files with kinds that scenarios may name",
         type="paths",
     )
+    parser.addini("shortfinal_workers", "worker processes that share the flights of a scenario", default="1")
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
@@ -46,10 +50,9 @@ class ScenarioFile(pytest.File):
     def collect(self) -> Iterator[pytest.Item]:
         """One item for each check, or one that flies a scenario without any."""
         from sim.errors import ScenarioError
-        from sim.experiment import read
 
         try:
-            checks = read(self.path, plugins=self.config.getini("shortfinal_plugins")).checks
+            checks = read_file(self).checks
         except ScenarioError as error:
             raise self.CollectError(str(error)) from None
         names: dict[str, int] = {}
@@ -70,17 +73,25 @@ class CheckItem(pytest.Item):
         self.index = index
 
     def runtest(self) -> None:
-        """Fly the scenario, unless a check before this one did, and look at one of its checks."""
-        from sim.metrics.checks import broken, phases
+        """Fly the scenario, or its study, unless a check before this one did, and look at one of its checks."""
+        from sim.reporting.text.broken_checks import broken, phases, run_again
 
-        result = fly(self, self.path)
+        metrics = judged(self).metrics
         if self.index is None:
+            crashes = metrics.get("crashes") or [
+                one["metrics"]["reason"]
+                for one in metrics.get("each_flight", ())
+                if one["metrics"]["outcome"] == "crashed"
+            ]
+            if crashes:
+                raise CheckBroken(f"{self.path.name}: a flight crashed: {crashes[0]}")
             return
-        check = result.metrics["checks"][self.index]
+        check = metrics["checks"][self.index]
         if check["passed"] is None:
             pytest.skip(f"{check['metric']}: no {phases(check)} was flown")  # neither kept nor broken, as in a report
         if not check["passed"]:
-            raise CheckBroken(broken(check))
+            file = os.path.relpath(self.path)
+            raise CheckBroken(broken(check, metrics, run_again(file, self.config.getini("shortfinal_plugins"))))
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *arguments: Any) -> Any:
         """A broken check and a scenario at fault in their own words, anything else in full."""
@@ -96,7 +107,61 @@ class CheckItem(pytest.Item):
 
 
 class CheckBroken(ValueError):
-    """A check that the flight did not keep."""
+    """A check that was not kept."""
+
+
+class Judged(NamedTuple):
+    """A study that was flown for its checks."""
+
+    scenario: Any
+    metrics: dict[str, Any]
+    folder: Path
+
+
+def read_file(item: pytest.Item | pytest.Collector) -> Any:
+    """The scenario of a file, with checks that its flights, or those of its study, can answer."""
+    from sim.experiment import read, refuse_unfit_run
+    from sim.scenario.plugins import catalogue_with
+    from sim.studies.plan import plan
+
+    catalogue = catalogue_with(item.config.getini("shortfinal_plugins"))
+    scenario = read(item.path, plugins=catalogue)
+    if scenario.study is None:
+        refuse_unfit_run(scenario)
+    else:
+        plan(scenario, catalogue)
+    return scenario
+
+
+def judged(item: CheckItem) -> Any:
+    """What has the verdicts on the checks of a file, its run or its study, flown once in a pytest run."""
+    scenario = read_file(item)
+    if scenario.study is None:
+        return fly(item, item.path)
+    from sim.scenario.plugins import catalogue_with
+    from sim.studies.study import study
+    from sim.workers.executors import LocalExecutor
+
+    flown = item.session.stash.setdefault(FLOWN, {})
+    key = str(item.path)
+    if key not in flown:
+        folder = Path(tempfile.mkdtemp(prefix="shortfinal-"))
+        item.config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+        count, catalogue = workers(item), catalogue_with(item.config.getini("shortfinal_plugins"))
+        metrics = study(item.path, folder / "study", LocalExecutor(count), plugins=catalogue, workers=count)
+        flown[key] = Judged(scenario, metrics, folder / "study")
+    item.stash.setdefault(USED, []).append(flown[key])
+    return flown[key]
+
+
+def workers(item: pytest.Item) -> int:
+    """How many processes share the flights of a scenario, by the ini file."""
+    from sim.errors import ScenarioError
+
+    said = item.config.getini("shortfinal_workers").strip()
+    if not said.isascii() or not said.isdigit() or int(said) < 1:
+        raise ScenarioError(f"shortfinal_workers: must be a whole number from 1 on, not '{said}'")
+    return int(said)
 
 
 def fly(
@@ -113,7 +178,7 @@ def fly(
     flown = item.session.stash.setdefault(FLOWN, {})
     key = json.dumps([scenario.tables, digests(scenario.parts)], sort_keys=True)
     if key not in flown:
-        flown[key] = sim.run(scenario)
+        flown[key] = sim.run(scenario, workers=workers(item))
     item.stash.setdefault(USED, []).append(flown[key])
     return flown[key]
 
@@ -155,12 +220,16 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
 
 
 def keep(result: Any, folder: Path) -> Path:
-    """Write the folder of a run, named after its scenario; each xdist worker writes its own."""
+    """Write the folder of a run or a study, named after its scenario; each xdist worker writes its own."""
     from sim.experiment import report
     from sim.files import claim, staged, write_json
 
     worker = os.environ.get("PYTEST_XDIST_WORKER")
     place = folder / (f"{result.scenario.name}-{worker}" if worker else result.scenario.name)
+    if isinstance(result, Judged):
+        claim(place, "study")
+        shutil.copytree(result.folder, place, dirs_exist_ok=True)
+        return place
     claim(place, "run")
     with staged(place) as whole:
         report(result, whole)

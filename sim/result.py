@@ -12,19 +12,22 @@ from sim.estimation.tracking_run import Tracked
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
+from sim.reporting.text.broken_checks import broken_checks
 from sim.scenario.model import Scenario
 
 
 @dataclass(frozen=True)
 class Result:
-    """What a run found out."""
+    """What a run found out: figures and verdicts of all flights, everything of one."""
 
     prepared: Prepared
-    flights: tuple[Flight, ...]
-    records: dict[str, SensorRecord]  # of flight 0
-    tracks: dict[str, Tracked]  # of flight 0
+    number: int  # of the flight that is here as a whole: the first, or the only one
+    flight: Flight
+    records: dict[str, SensorRecord]  # of that flight
+    tracks: dict[str, Tracked]  # of that flight
     metrics: dict[str, Any]
     timing: dict[str, float]
+    own: dict[str, Any]  # trackers that the caller brought
 
     @property
     def scenario(self) -> Scenario:
@@ -32,9 +35,9 @@ class Result:
         return self.prepared.scenario
 
     @property
-    def flight(self) -> Flight:
-        """Flight 0, which figures and trackers are about."""
-        return self.flights[0]
+    def broken(self) -> list[str]:
+        """A sentence for each check that failed, over all flights; empty where all passed."""
+        return broken_checks(self.metrics, "sim.run(..., flight={flight})")
 
 
 @contextmanager

@@ -4,7 +4,7 @@ NumPy and SciPy only, and nothing of aeroplanes: a law or a route is handed in b
 (x, y) = (north, east), so a positive turn rate turns right. Matrix axes come first, batch axes last.
 
 - ``gaussian``: all Kalman algebra; ``motion``, ``integrators``: F, Q and inputs; ``measurement``: z = H x + v;
-  ``partial_place``: the same of sensors that give a place only together
+  ``partial_place``: the same of sensors that give a place only together; ``height_profile``: heights from a chart
 - ``track``: what trackers are given and give, and the only loop over time; ``contract``: what tries a class on it
 - ``trackers``: one file for each kind; ``reference_path``: the path of those that know a law, ``azimuth_acceleration``
   the algebra of those that know load factors

@@ -6,35 +6,17 @@ would need them at one moment. The extended Kalman filter needs neither: each is
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from tracking.height_profile import Charted, charted
 from tracking.measurement import Linear, MeasurementModel, wrap
 from tracking.motion import CARTESIAN
 
 Array = Any
 NEAREST = 50.0  # m from an antenna, within which neither direction nor slope of a range is known by the prediction
-
-
-@dataclass(frozen=True)
-class GlidePath:
-    """The height at which an aircraft on the approach is taken to be: level, then down to the aiming point."""
-
-    level: float  # m
-    aiming_point: tuple[float, float] = (0.0, 0.0)  # (north, east), m
-    course: float = 0.0  # rad
-    angle: float | None = None  # rad; None = level to the end
-
-    def height(self, north: Array, east: Array) -> Array:
-        """m above the threshold, at places of any shape."""
-        if self.angle is None:
-            return self.level
-        before = (self.aiming_point[0] - north) * math.cos(self.course)
-        before = before + (self.aiming_point[1] - east) * math.sin(self.course)
-        return np.clip(math.tan(self.angle) * before, 0.0, self.level)
 
 
 @dataclass(frozen=True)
@@ -60,14 +42,14 @@ class Azimuth:
 
 @dataclass(frozen=True)
 class SlantRange:
-    """One slant range; the height of the target is that of a glide path at the predicted place.
+    """One slant range; the height of the target is the chart's at the predicted place, with its variance in R.
 
     A height that is wrong by h costs h times the sine of the elevation in range: 1 m for 20 m on a glide path. The
     slope leaves out how the assumed height itself changes with the place, which is as small.
     """
 
     position: Annotated[tuple[float, float, float], "given"]  # m, (north, east, height) of the antenna
-    path: Annotated[GlidePath, "given"]
+    chart: Annotated[Charted, "given"]
     channels: Annotated[tuple[str, ...], "given"] = CARTESIAN
     rows: ClassVar[int] = 1
     equations: ClassVar[int] = 1
@@ -75,12 +57,13 @@ class SlantRange:
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
         i, j = self.channels.index("north"), self.channels.index("east")
         north, east = mean[i] - self.position[0], mean[j] - self.position[1]
-        up = self.path.height(mean[i], mean[j]) - self.position[2]
+        height, variance = charted(self.chart, mean, self.channels)
+        up = height - self.position[2]
         ground, slant = np.hypot(north, east), np.sqrt(np.maximum(north**2 + east**2 + up**2, 1e-9))
         H = np.zeros((1, len(self.channels), *np.shape(slant)))
         H[0, i], H[0, j] = north / slant, east / slant
         effective = z - slant + np.einsum("ij...,j...->i...", H, mean)
-        return Linear(np.where(ground > NEAREST, effective, np.nan), H, R)
+        return Linear(np.where(ground > NEAREST, effective, np.nan), H, R + (up / slant) ** 2 * variance)
 
 
 @dataclass(frozen=True)

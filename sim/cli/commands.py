@@ -40,6 +40,10 @@ Plugins = Annotated[
     typer.Option("--plugin", metavar="FILE", help="Python file with kinds that the scenario names; repeatable."),
 ]
 
+Workers = Annotated[
+    int | None, typer.Option("-j", "--workers", min=1, help="Worker processes; default one for each core.")
+]
+
 
 @app.command()
 def run(
@@ -50,30 +54,36 @@ def run(
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
     flights: Annotated[int | None, typer.Option(min=1, help="Flights, each with its own turbulence.")] = None,
     draws: Annotated[int | None, typer.Option(min=1, help="Noise draws of the sensors per flight.")] = None,
+    flight: Annotated[int | None, typer.Option(min=0, help="Fly this flight alone, by its number from 0.")] = None,
+    workers: Annotated[
+        int, typer.Option("-j", "--workers", min=1, help="Worker processes that share the flights.")
+    ] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
 ) -> None:
     """Fly, observe, track and report a scenario."""
     from sim import experiment
 
     overrides = _overrides(sets, seed=seed, flights=flights, draws=draws)
+    if flight is not None and workers > 1:
+        raise ScenarioError("run: say --flight or -j, not both: one flight has no work to share")
 
     def remark(sentence: str) -> None:
         typer.echo(f"warning: {sentence}", err=as_json)
 
-    folder, result = experiment.run_to_folder(scenario, overrides, out, _progress(), plugins or (), remark)
+    given = {"progress": _progress(), "plugins": plugins or (), "flight": flight, "workers": workers, "remark": remark}
+    folder, result = experiment.run_to_folder(scenario, overrides, out, **given)
     if as_json:
         typer.echo((folder / "metrics.json").read_text(), nl=False)
     else:
         from sim.cli.run_summary import summary
+        from sim.reporting.text.broken_checks import run_again
 
-        typer.echo(summary(result.metrics, result.prepared.warnings))
+        again = run_again(folder / "scenario.toml", plugins or ())
+        typer.echo(summary(result.metrics, again, result.prepared.warnings))
         typer.echo(f"report: {folder / 'report.html'}")
     raise typer.Exit(_exit_code(result.metrics))
 
 
-Workers = Annotated[
-    int | None, typer.Option("-j", "--workers", min=1, help="Worker processes; default one for each core.")
-]
 Cluster = Annotated[
     str | None, typer.Option("--cluster", metavar="ADDRESS", help="Fly on a Dask cluster: its scheduler's HOST:PORT.")
 ]
@@ -82,7 +92,7 @@ Insecure = Annotated[bool, typer.Option("--insecure", help="Allow a cluster on a
 
 @app.command()
 def study(
-    scenario: Annotated[str, typer.Argument(help="A scenario with [study.axes]: a file or a bundled name.")],
+    scenario: Annotated[str, typer.Argument(help="A scenario with [study]: a file or a bundled name.")],
     out: Out = None,
     workers: Workers = None,
     sets: Sets = None,
@@ -130,6 +140,7 @@ def resume(
 
 def _study(folder: Path, fly: Any, plugins: list[Path] | None) -> None:
     from sim.cli.run_summary import study_summary
+    from sim.reporting.text.broken_checks import run_again
 
     again = "".join(f" --plugin {file}" for file in plugins or ())
     try:
@@ -137,7 +148,7 @@ def _study(folder: Path, fly: Any, plugins: list[Path] | None) -> None:
     except KeyboardInterrupt:
         typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}{again}", err=True)
         raise typer.Exit(STOPPED) from None
-    typer.echo(study_summary(metrics))
+    typer.echo(study_summary(metrics, run_again(folder / "scenario.toml", plugins or ())))
     typer.echo(f"report: {folder / 'report.html'}")
     crashed = "crashed" in metrics["outcomes"]
     failed = any(check["passed"] is False for check in metrics["checks"])
@@ -203,14 +214,16 @@ def claims(
 def validate(file: Scenario, sets: Sets = None, plugins: Plugins = None) -> None:
     """Say whether a scenario can be flown, and everything that is wrong with it."""
     from sim.estimation.setup import check
-    from sim.experiment import read
+    from sim.experiment import read, refuse_unfit_run
     from sim.flight.preparation import prepare
     from sim.scenario.plugins import catalogue_with
 
     catalogue = catalogue_with(plugins or ())
     scenario = read(file, _overrides(sets), plugins=catalogue)
     check(prepare(scenario))
-    if scenario.study is not None:
+    if scenario.study is None:
+        refuse_unfit_run(scenario)
+    else:
         from sim.studies.plan import plan
 
         plan(scenario, catalogue)

@@ -154,5 +154,8 @@ def _during(during: str | tuple[str, ...]) -> str:
 
 
 def _limits(check: Check) -> str:
-    low, high = check.min, check.max
-    return " ".join(f"{sign} {value:g}" for sign, value in ((">=", low), ("<=", high)) if value is not None)
+    low, high, share = check.min, check.max, check.required_share
+    limits = " ".join(f"{sign} {value:g}" for sign, value in ((">=", low), ("<=", high)) if value is not None)
+    if share is None or check.confidence is None:
+        return limits
+    return f"{limits} in {100 * share:g} % of flights, {100 * check.confidence:g} % confidence"

@@ -58,7 +58,7 @@ def _tables(folder: Path) -> dict[str, Columns]:
 
 def _flights(folder: Path) -> Columns:
     """One row for each finished flight of a study: what was varied, how it ended, every figure."""
-    from sim.studies.metrics import scalars
+    from sim.metrics.ensemble.spread import scalars
 
     rows: list[dict[str, Any]] = [
         {

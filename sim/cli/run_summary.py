@@ -6,25 +6,27 @@ from collections.abc import Sequence
 from typing import Any
 
 from sim.cli.text_table import table
-from sim.metrics.checks import broken, broken_in_study
 from sim.metrics.conformance import conformance_sentence
 from sim.metrics.navigation import beside
+from sim.reporting.text.broken_checks import broken_checks
 
 MOST_REASONS = 3  # of flights that crashed, or were refused
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
 
 
-def summary(metrics: dict[str, Any], said: Sequence[str] = ()) -> str:
-    """One sentence on what happened, the trackers, the checks as an aligned table, warnings that are not yet said."""
-    flight = metrics["flight"]
-    lines = [f"{metrics['scenario']}: {flight['reason']} ({flight['duration_s']:.0f} s, seed {metrics['seed']})"]
+def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = ()) -> str:
+    """One sentence on what happened, the trackers, then the checks as an aligned table.
+
+    ``again`` is how a flight is flown again, as ``run_again`` gives it; ``said`` are warnings that were said.
+    """
+    flight, several = metrics["flight"], metrics["flights"] > 1
+    if several:
+        ended = _ended(metrics["flights_summary"]["outcomes"])
+        lines = [f"{metrics['scenario']}: {metrics['flights']} flights: {ended} (seed {metrics['seed']})"]
+    else:
+        lines = [f"{metrics['scenario']}: {flight['reason']} ({flight['duration_s']:.0f} s, seed {metrics['seed']})"]
     why = (flight.get("navigated") or {}).get("why")
-    lines += [f"why: {why}"] if why else []
-    if metrics["flights"] > 1:
-        outcomes = metrics["flights_summary"]["outcomes"]
-        lines.append(
-            f"{metrics['flights']} flights: " + ", ".join(f"{n} {name}" for name, n in sorted(outcomes.items()))
-        )
+    lines += [f"why{' (flight 0)' if several else ''}: {why}"] if why else []
     rows = [
         (name, channel, figure["rmse"], figure["raw"], figure["gain"])
         for name, tracker in metrics["trackers"].items()
@@ -42,23 +44,28 @@ def summary(metrics: dict[str, Any], said: Sequence[str] = ()) -> str:
     if any(alerts.values()):
         lines += ["", *(conformance_sentence(name, found) for name, found in alerts.items() if found)]
     if metrics["checks"]:
-        header = ["check", "value", "limit", "margin", ""]
-        shown = [
-            [check["name"], *(_number(check[key]) for key in ("value", "limit", "margin")), _verdict(check)]
-            for check in metrics["checks"]
-        ]
-        lines += ["", *table([header, *shown], 1)]
-    failed = [check for check in metrics["checks"] if check["passed"] is False]
+        lines += ["", *_checks(metrics["checks"], several)]
+    failed = broken_checks(metrics, again)
     if failed:
-        lines += ["", *map(broken, failed)]
+        lines += ["", *failed]
     lines += [f"warning: {warning}" for warning in metrics["warnings"] if warning not in said]
     return "\n".join(lines)
 
 
-def _verdict(check: dict[str, Any]) -> str:
-    if check["passed"] is None:
-        return "not flown"
-    return "passed" if check["passed"] else "FAILED"
+def _ended(outcomes: dict[str, int]) -> str:
+    return ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
+
+
+def _checks(checks: list[dict[str, Any]], several: bool) -> list[str]:
+    """The verdicts as an aligned table; of several flights also how many kept a check, and which decides."""
+    verdicts = {None: "not flown", True: "passed", False: "FAILED"}
+    kept = ["within", "of", "flight"] if several else []
+    rows = [["check", *kept, "value", "limit", "margin", ""]]
+    for check in checks:
+        counts = [str(check["within"]), str(check["flights"] - check["not_flown"]), str(check["flight"])]
+        numbers = [_number(check[key]) for key in ("value", "limit", "margin")]
+        rows.append([check["name"], *(counts if several else []), *numbers, verdicts[check["passed"]]])
+    return table(rows, 1)
 
 
 def _number(value: float | str | None) -> str:
@@ -67,22 +74,13 @@ def _number(value: float | str | None) -> str:
     return "-" if value is None else f"{value:.4g}"
 
 
-def study_summary(metrics: dict[str, Any]) -> str:
-    """How all flights ended, then the checks as an aligned table."""
-    ended = ", ".join(f"{count} {name}" for name, count in sorted(metrics["outcomes"].items()))
+def study_summary(metrics: dict[str, Any], again: str) -> str:
+    """How all flights ended, then the checks as an aligned table; ``again`` as in `summary`."""
+    ended = _ended(metrics["outcomes"])
     lines = [f"{metrics['scenario']}: {metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}"]
     for outcome, name in (("crashed", "crashes"), ("refused", "refusals")):
         lines += [f"{outcome}: {reason}" for reason in metrics.get(name, ())[:MOST_REASONS]]
     if metrics["checks"]:
-        header = ["check", "flights", "within", "value", "limit", "margin", ""]
-        lines += ["", *table([header, *map(_shown, metrics["checks"])], 1)]
-    failed = [check for check in metrics["checks"] if check["passed"] is False]
-    if failed:
-        lines += ["", *map(broken_in_study, failed)]
-    return "\n".join(lines)
-
-
-def _shown(check: dict[str, Any]) -> list[Any]:
-    numbers = ["-" if check[key] is None else f"{check[key]:.4g}" for key in ("value", "limit", "margin")]
-    verdict = {None: "not flown", True: "passed", False: "FAILED"}[check["passed"]]
-    return [check["name"], check["flights"], check["within"], *numbers, verdict]
+        lines += ["", *_checks(metrics["checks"], True)]
+    failed = broken_checks(metrics, again)
+    return "\n".join([*lines, "", *failed] if failed else lines)

@@ -198,9 +198,9 @@ def navigator(prepared: Prepared, flight: int) -> Navigator | None:
     elevation = ranging = altimeter = None
     if "north" not in tracker.channels:
         owner = next((c.rpartition(".")[0] for c in tracker.channels if c.endswith(".elevation")), None)
-        ranging, altimeter = (
-            next((one for one in others if quantity in one[1].channels), None) for quantity in ("range", "height")
-        )
+        ranging = next((one for one in others if "range" in one[1].channels), None)
+        aboard = (one for one in others if one[1].antenna is None)  # a radar's height is known on the ground
+        altimeter = next((one for one in aboard if "height" in one[1].channels), None)
         if owner is None or ranging is None:
             raise ScenarioError(
                 f"[autopilot] navigation: tracker '{name}' gives neither a position nor, with a range, a height"

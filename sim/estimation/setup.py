@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import typing
 from collections.abc import Iterable
 from typing import Annotated, Any
 
+from aircraft.state import STANDARD_GRAVITY
+from autopilot.planned_heights import planned_heights
 from sim.errors import ScenarioError
 from sim.estimation.clutter import AmongFalsePlots
 from sim.flight.preparation import Prepared
@@ -16,13 +19,19 @@ from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
 from sim.scenario.plugins import is_outside, said
 from tracking.contract import missing_members
+from tracking.height_profile import ChartedHeight, HeightProfile, MeasuredHeight
 from tracking.measurement import DebiasedPolar, LinearMeasurement, MeasurementModel, Stacked
-from tracking.partial_place import Azimuth, Chosen, GlidePath, SlantRange
+from tracking.partial_place import Azimuth, Chosen, SlantRange
 from tracking.track import TrackerError
 
 
 def reads_places(tracker: Any) -> bool:
-    return dataclasses.is_dataclass(tracker) and "measurement" in _given(type(tracker))
+    return dataclasses.is_dataclass(tracker) and uses_places(type(tracker))
+
+
+def uses_places(cls: type) -> bool:
+    """Whether trackers of a class update with a place on the ground plane."""
+    return "measurement" in _given(cls)
 
 
 def listened(prepared: Prepared, name: str, tracker: Any, sensors: Iterable[str]) -> tuple[str, ...]:
@@ -200,9 +209,25 @@ def charted_route(prepared: Prepared) -> Any:
     return dataclasses.replace(route, chart=glide)
 
 
-def chart_height(prepared: Prepared) -> float:
-    """Height that a radar without elevation takes for granted, m."""
-    return prepared.route.legs[0].height
+def height_profile(prepared: Prepared) -> HeightProfile:
+    """The heights that are taken for granted where a range is read without one: as planned, never the true ones.
+
+    The plan begins where the flight is filed to begin.
+    """
+    approach, initial = prepared.autopilot, prepared.initial
+    legs = approach.route.legs
+    first = legs[initial.leg]
+    to_go = (first.end[0] - initial.north) * first.direction[0] + (first.end[1] - initial.east) * first.direction[1]
+    planned = planned_heights(approach, initial.leg, to_go, initial.height)
+    along, height, _ = zip(*planned, strict=True)
+    fastest = max(leg.speed for leg in legs)
+    return HeightProfile(
+        tuple((*leg.start, *leg.end) for leg in legs),
+        along,
+        height,
+        next((point.along for point in planned if point.on_glide_path), math.inf),
+        fastest**2 / (STANDARD_GRAVITY * math.tan(float(approach.law.bank_limit))),
+    )
 
 
 def measurement_model(prepared: Prepared, sensors: dict[str, Any], name: str) -> Any:
@@ -250,8 +275,13 @@ def _model(prepared: Prepared, sensor: Any) -> MeasurementModel | None:
         model = LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
     elif sensor.gives_place:
         north, east, up = sensor.antenna
-        used = ("range", "azimuth", *(("elevation",) if "elevation" in channels else ()))
-        model = DebiasedPolar((north, east), sensor.zero_azimuth, None if used[2:] else chart_height(prepared) - up)
+        model = DebiasedPolar((north, east), sensor.zero_azimuth)
+        if "elevation" in channels:
+            used = ("range", "azimuth", "elevation")
+        elif "height" in channels:
+            used, model = ("range", "azimuth", "height"), MeasuredHeight(model, up)
+        else:
+            used, model = ("range", "azimuth"), ChartedHeight(model, height_profile(prepared), up)
     else:
         used = tuple(channel for channel in channels if channel in ("azimuth", "range"))
         parts = tuple(_row(prepared, sensor, channel) for channel in used)
@@ -266,13 +296,4 @@ def _row(prepared: Prepared, sensor: Any, channel: str) -> MeasurementModel:
     north, east, up = sensor.antenna
     if channel == "azimuth":
         return Azimuth((north, east), sensor.zero_azimuth)
-    return SlantRange((north, east, up), glide_path(prepared))
-
-
-def glide_path(prepared: Prepared) -> GlidePath:
-    """The height that is taken for granted where a slant range is read: as charted, never the true one."""
-    runway, landing = prepared.scenario.runway, prepared.autopilot.landing
-    aim = runway.to_local(runway.aiming_point, 0.0)
-    return GlidePath(
-        prepared.route.legs[-1].height, aim, runway.heading, None if landing is None else landing.glide_path
-    )
+    return SlantRange((north, east, up), height_profile(prepared))

@@ -12,7 +12,7 @@ from sim.errors import ScenarioError
 from sim.estimation.batching import can_batch, repeat_runs, split_track, stack_laws
 from sim.estimation.look_ahead import LookAhead
 from sim.estimation.prior import prior
-from sim.estimation.setup import adopt, build, chart_height, listened
+from sim.estimation.setup import adopt, build, height_profile, listened
 from sim.flight.outcomes import ROLLOUT
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
@@ -162,7 +162,7 @@ def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Ou
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
         end = float(flight.time[-1])
         until, after = _between(record, -math.inf, end), _between(record, math.nextafter(end, math.inf), math.inf)
-        plots = plot_errors(flight, sensors, chart_height(watch.prepared), until)
+        plots = plot_errors(flight, sensors, height_profile(watch.prepared), until)
         judged = []
         for entry, own, looked in zip(group, tracks, looks, strict=True):
             before, rolling = _parted(own, end)
@@ -195,7 +195,9 @@ def _with_rollout(
 ) -> Outcome:
     """What was found of a tracker with its figures in the roll-out: a phase of its own, not in the others."""
     whole = watch.flight.whole
-    errors = tracker_errors(whole, sensors, rolling, plot_errors(whole, sensors, chart_height(watch.prepared), record))
+    errors = tracker_errors(
+        whole, sensors, rolling, plot_errors(whole, sensors, height_profile(watch.prepared), record)
+    )
     by_phase = tracker_metrics(whole, rolling, errors)["by_phase"]
     own = {ROLLOUT: by_phase[ROLLOUT]} if ROLLOUT in by_phase else {}
     figures = {**judged.figures, "by_phase": {**judged.figures["by_phase"], **own}}

@@ -9,6 +9,7 @@ import numpy as np
 from sim.flight.interpolation import Truth
 from sim.flight.record import Flight
 from sim.observation.sensor import QUANTITIES, quantity_of
+from tracking.height_profile import Charted
 from tracking.measurement import wrap
 
 
@@ -119,9 +120,12 @@ def _azimuth(sensor: Any, truth: Truth, place: np.ndarray, cov: np.ndarray, fact
 
 
 def raw(
-    flight: Flight, truth: Truth, names: tuple[str, ...], z: np.ndarray, sensors: dict[str, Any], chart_height: float
+    flight: Flight, truth: Truth, names: tuple[str, ...], z: np.ndarray, sensors: dict[str, Any], chart: Charted | None
 ) -> dict[str, Compared]:
-    """Errors of the measurements themselves (k, m, draws) in the same channels; NaN where nothing was measured."""
+    """Errors of the measurements themselves (k, m, draws) in the same channels; NaN where nothing was measured.
+
+    A slant range without an elevation or a height is brought to the ground at the chart's height; without a chart, not.
+    """
     found: dict[str, Compared] = {}
     k, _, draws = z.shape
     plots = np.full((k, 2, draws), np.nan)
@@ -135,8 +139,12 @@ def raw(
             north, east, up = sensor.antenna
             if "elevation" in rows:
                 ground = slant * np.cos(z[:, rows["elevation"]])
-            else:  # height from the chart, as its trackers have it
-                ground = np.sqrt(np.maximum(slant**2 - (chart_height - up) ** 2, 0.0))
+            elif "height" in rows:
+                ground = _on_the_ground(slant, z[:, rows["height"]] - up)
+            elif chart is not None:
+                ground = _on_the_ground(slant, _charted(chart, (north, east), slant, bearing) - up)
+            else:
+                ground = np.full_like(slant, np.nan)
             seen = np.stack((north + ground * np.cos(bearing), east + ground * np.sin(bearing)), axis=1)
             plots = np.where(np.isnan(plots), seen, plots)
         for quantity, row in rows.items():
@@ -147,6 +155,24 @@ def raw(
         found["position_m"] = Compared(error, None)
         found["cross_track_m"] = _across(flight, truth, error, None)
     return found
+
+
+def _on_the_ground(slant: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """Horizontal distance at a height above the antenna; over it, 0."""
+    return np.asarray(np.sqrt(np.maximum(slant**2 - height**2, 0.0)))
+
+
+def _charted(chart: Charted, antenna: tuple[float, float], slant: np.ndarray, bearing: np.ndarray) -> np.ndarray:
+    """Heights (k, draws) that the chart gives where plots are, seen at a slant range; the course is that between plots.
+
+    A range that is some hundred metres too long for the ground moves the place so little that once is enough.
+    """
+    place = np.stack((antenna[0] + slant * np.cos(bearing), antenna[1] + slant * np.sin(bearing)))
+    seen = np.isfinite(slant).any(axis=1)
+    rates = np.zeros_like(place)
+    if seen.sum() > 1:
+        rates[:, seen] = np.nan_to_num(np.gradient(place[:, seen], axis=1))
+    return np.asarray(chart.at(*place, *rates).height)
 
 
 def squared(compared: Compared) -> np.ndarray:

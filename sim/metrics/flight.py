@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from sim.flight.record import Flight
 from sim.metrics import table
 from sim.metrics.figures import Context
 from sim.scenario.tables import Runway
 
 NAVIGATED = "navigated"  # the table of figures of the estimate that it was flown on
-PERCENTILES = (5, 50, 95)
 
 
 def flight_metrics(
@@ -57,19 +54,3 @@ def figure(figures: dict[str, Any] | None, name: str) -> Any:
     nested, _, own = name.rpartition(".")
     inner = (figures or {}).get(nested) if nested else figures
     return (inner or {}).get(own)
-
-
-def summarise(flights: list[dict[str, Any]]) -> dict[str, Any]:
-    """Outcome counts and percentiles of every figure over several flights.
-
-    Figures of the estimate that they were flown on are left out: they are known for flight 0 only.
-    """
-    outcomes: dict[str, int] = {}
-    for flight in flights:
-        outcomes[flight["outcome"]] = outcomes.get(flight["outcome"], 0) + 1
-    found: dict[str, Any] = {"outcomes": outcomes}
-    for name in table.names():
-        values = [known for flight in flights if (known := figure(flight, name)) is not None]
-        if values and not name.startswith(f"{NAVIGATED}."):
-            found[name] = {f"p{p}": float(np.percentile(values, p)) for p in PERCENTILES}
-    return found

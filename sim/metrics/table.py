@@ -1,7 +1,7 @@
 """The metric table: one row for each scalar figure of a flight, read by everything that uses the figure.
 
 A row puts its figure into the ``flight`` part of metrics.json, the percentiles over several flights, the rows of a
-study and its export; ``[[checks]]``, ``[[study.checks]]`` and the search for a limit accept its name; the reports show
+study and its export; ``[[checks]]`` and the search for a limit accept its name; the reports show
 it under its label with its digits and its unit. Nothing else knows its name.
 """
 

@@ -12,6 +12,7 @@ from sim.flight.record import Flight
 from sim.metrics import comparison
 from sim.metrics.comparison import Compared
 from tracking import consistency
+from tracking.height_profile import Charted
 from tracking.intervals import gain, mean_interval, rmse
 from tracking.track import Measurements, Track
 
@@ -24,13 +25,11 @@ class TrackerErrors(NamedTuple):
     plots: dict[str, Compared]
 
 
-def plot_errors(
-    flight: Flight, sensors: dict[str, Any], chart_height: float, record: Measurements
-) -> dict[str, Compared]:
+def plot_errors(flight: Flight, sensors: dict[str, Any], chart: Charted, record: Measurements) -> dict[str, Compared]:
     """Errors of measurements in order of arrival; a plot is compared with the truth at the time it was taken."""
     order = np.argsort(record.arrival, kind="stable")
     taken = truth_at(flight, record.time[order])
-    return comparison.raw(flight, taken, record.channels, record.z[order], sensors, chart_height)
+    return comparison.raw(flight, taken, record.channels, record.z[order], sensors, chart)
 
 
 def tracker_errors(flight: Flight, sensors: dict[str, Any], track: Track, plots: dict[str, Compared]) -> TrackerErrors:

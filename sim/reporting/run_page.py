@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import itertools
+import json
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from sim.flight.record import Flight
 from sim.metrics.conformance import conformance_sentence, foremost
 from sim.reporting.figures.flight import charts
 from sim.reporting.figures.measurements import measurement_charts
+from sim.reporting.figures.style import Chart
 from sim.reporting.page import rendered, text_of
 from sim.reporting.replay import replay
 from sim.reporting.text.header import first_screen
@@ -19,8 +23,10 @@ from sim.reporting.text.outcome_sentence import first_clause
 from sim.reporting.text.references import FLIGHT_DYNAMICS, aircraft_sources, sources, what_ran
 from sim.reporting.text.rows import (
     beside_rows,
+    check_name,
     check_row,
     event_rows,
+    every_flight,
     halves,
     last_state,
     law_rows,
@@ -35,58 +41,54 @@ from sim.scenario.toml_writer import dumps
 from sim.versions import rows
 from sim.workers.sharing import current
 
+LARGEST = 2_800_000  # bytes of the figures of a page, about; a page is to stay below 3 MB
+ROOM = 200_000  # bytes, below which no further flight is worth drawing
+MOST_ROWS = 200  # of the table of all flights; metrics.json has them all
+
+
+class Seen(NamedTuple):
+    """One flight with all that watched it; figures as in metrics.json."""
+
+    number: int
+    flight: Flight
+    records: dict[str, Any]  # name -> SensorRecord
+    tracked: dict[str, Any]  # name -> Tracked
+    figures: dict[str, Any]
+    trackers: dict[str, Any]
+
 
 def write(
     path: Path,
     *,
     scenario: Any,
-    flight: Flight,
     law: Any,
     metrics: dict[str, Any],
     versions: dict[str, Any],
-    tracked: dict[str, Any] | None = None,
-    records: dict[str, Any] | None = None,
+    flights: Iterable[Seen],
 ) -> Path:
     """Write the report of one run; the file needs nothing but a browser.
 
     Parameters
     ----------
-    scenario : the resolved Scenario        flight : the first flight        law : the law that flew
+    scenario : the resolved Scenario        law : the law that flew
     metrics : as in metrics.json            versions : name -> version
-    tracked, records : name -> Tracked, name -> SensorRecord of the first flight
+    flights : those that are drawn, the worst first; one after another, so that no two are held at a time
     """
-    whole = flight.whole
-    flight_charts = current().later(charts, flight, scenario, law)
-    trackers, tracked, records = metrics.get("trackers") or {}, tracked or {}, records or {}
-    modes = {
-        name: mode_names(one.tracker, one.track.model_probabilities.shape[1])
-        for name, one in tracked.items()
-        if one.track.model_probabilities is not None
-    }
-    alert = foremost(tracked)
-    believing = {name: tracked[name] for name in modes}
-    beliefs = current().later(belief_charts, scenario, flight, trackers, believing, modes, alert)
-    shown = shown_trackers(scenario, tracked)
-    airborne = {name: record.until(float(flight.time[-1])) for name, record in records.items()}
-    errors = error_charts(scenario, flight, trackers, shown, airborne)
+    first, *others = _pages(scenario, law, metrics, flights)
     script = text_of("replay.js")
     equations, papers, errata = sources(what_ran(scenario, law))
+    several = metrics.get("flights", 1) > 1
     page = rendered(
         "report.html",
-        **first_screen(scenario, flight, metrics, shown),
-        conformance=conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
-        charts=[*flight_charts(), *measurement_charts(whole, scenario.sensors, records)],
+        **first,
+        others=others,
+        every=every_flight(metrics.get("each_flight", ()), [check_name(check) for check in metrics["checks"]])[
+            :MOST_ROWS
+        ],
+        several=metrics["flights"] if several else 0,
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
-        events=event_rows(whole),
-        outcome=words(metrics["flight"]["outcome"]),
-        reason=first_clause(flight.reason),
-        last_state=last_state(flight),
-        flight_rows=halves(scalar_rows(metrics["flight"])),
-        beside=beside_rows(metrics["flight"]),
         spread=spread_rows(metrics.get("flights_summary", {})),
-        trackers=tracker_tables(trackers) if trackers else [],
-        tracker_charts=[*errors, *beliefs()],
-        replay=replay(whole, scenario, shown, records),
+        trackers=tracker_tables(metrics["trackers"]) if metrics.get("trackers") else [],
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
         draws=metrics.get("draws"),
@@ -101,3 +103,61 @@ def write(
     )
     path.write_text(page, encoding="utf-8")
     return path
+
+
+def _pages(scenario: Any, law: Any, metrics: dict[str, Any], flights: Iterable[Seen]) -> Iterator[dict[str, Any]]:
+    """What the page says of each flight, while there is room; replay and head of the page are of the first."""
+    room = LARGEST
+    for place, seen in enumerate(flights):
+        page = _page(scenario, law, {**metrics, "flight": seen.figures, "trackers": seen.trackers}, seen, place == 0)
+        if place > 0:
+            every = len(page["charts"]) + len(page["tracker_charts"])
+            page["charts"] = _fitting(page["charts"], room)
+            page["tracker_charts"] = _fitting(page["tracker_charts"], room - _size(page["charts"]))
+            page["left_out"] = every - len(page["charts"]) - len(page["tracker_charts"])
+        room -= _size(page["charts"]) + _size(page["tracker_charts"])
+        room -= len(json.dumps(page["replay"]))
+        yield page
+        if room < ROOM or page.get("left_out"):
+            return
+
+
+def _size(charts: list[Chart]) -> int:
+    return sum(len(chart.image) for chart in charts)
+
+
+def _fitting(charts: list[Chart], room: int) -> list[Chart]:
+    """The first charts that fit into so many bytes together."""
+    sizes = itertools.accumulate(len(chart.image) for chart in charts)
+    return [chart for chart, size in zip(charts, sizes, strict=True) if size <= room]
+
+
+def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first: bool) -> dict[str, Any]:
+    """One flight; ``metrics`` with its own figures in the places of those of the run."""
+    flight, trackers, tracked = seen.flight, seen.trackers, seen.tracked
+    flight_charts = current().later(charts, flight, scenario, law)
+    modes = {
+        name: mode_names(one.tracker, one.track.model_probabilities.shape[1])
+        for name, one in tracked.items()
+        if one.track.model_probabilities is not None
+    }
+    alert = foremost(tracked)
+    believing = {name: tracked[name] for name in modes}
+    beliefs = current().later(belief_charts, scenario, flight, trackers, believing, modes, alert)
+    shown = shown_trackers(scenario, tracked)
+    whole, end = flight.whole, float(flight.time[-1])
+    airborne = {name: record.until(end) for name, record in seen.records.items()}
+    errors = error_charts(scenario, flight, trackers, shown, airborne)
+    return {
+        **first_screen(scenario, flight, metrics, shown, seen.number),
+        "conformance": conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
+        "replay": replay(whole, scenario, shown, seen.records) if is_first else None,
+        "charts": [*flight_charts(), *measurement_charts(whole, scenario.sensors, seen.records)],
+        "events": event_rows(whole),
+        "outcome": words(seen.figures["outcome"]),
+        "reason": first_clause(flight.reason),
+        "last_state": last_state(flight),
+        "flight_rows": halves(scalar_rows(seen.figures)),
+        "beside": beside_rows(seen.figures),
+        "tracker_charts": [*errors, *beliefs()],
+    }

@@ -4,29 +4,41 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sim.errors import ScenarioError
+from sim.errors import OutputError, ScenarioError
 from sim.scenario.model import Scenario
 
 USUAL_FLIGHT = 600.0  # s, where the scenario does not say until when
-RECORD = 30 * 50 * 8  # bytes of one second of a flight: 30 Hz, some fifty doubles
+MOST_FLIGHTS = 10_000  # of one run, which starts anew when it is stopped
+WORKER_SIZE = 350 << 20  # bytes of one worker, measured below this
 LOOK = 200  # bytes of one look in one draw of one tracker, at least: measurement, estimate, innovation
 
 
 def refuse_too_much(scenario: Scenario) -> None:
-    """Raise ``ScenarioError`` where the records of all flights, or of all draws, cannot fit into the free memory."""
+    """Raise ``ScenarioError`` for too many flights, or where the records of all draws cannot fit into free memory."""
+    if scenario.repetitions > MOST_FLIGHTS:
+        raise ScenarioError(
+            f"{scenario.name}: flights: {scenario.repetitions} are more than the {MOST_FLIGHTS} of one run; "
+            f"take fewer, or 'study' on a scenario with [study], which goes on where it was stopped"
+        )
     seconds = scenario.until or USUAL_FLIGHT
     looks = {name: seconds / sensor.period for name, sensor in scenario.sensors.items()}
     each = sum(looks.values()) + sum(looks[name] for one in scenario.trackers.values() for name in one.sensors)
-    free = available_memory()
-    for what, count, needed in (
-        ("flights", scenario.flights, scenario.flights * seconds * RECORD),
-        ("draws", scenario.draws, scenario.draws * each * LOOK),
-    ):
-        if free is not None and needed > free:
-            raise ScenarioError(
-                f"{scenario.name}: {what}: {count} need about {needed / 1e9:.1f} GB of memory and "
-                f"{free / 1e9:.1f} GB are free; take fewer, or a study"
-            )
+    free, needed = available_memory(), scenario.draws * each * LOOK
+    if free is not None and needed > free:
+        raise ScenarioError(
+            f"{scenario.name}: draws: {scenario.draws} need about {needed / 1e9:.1f} GB of memory and "
+            f"{free / 1e9:.1f} GB are free; take fewer, or a study"
+        )
+
+
+def refuse_workers(workers: int) -> None:
+    """Raise ``OutputError`` where so many worker processes cannot fit into the free memory."""
+    available = available_memory()
+    if available is not None and workers * WORKER_SIZE > available:
+        raise OutputError(
+            f"{workers} workers need {workers * WORKER_SIZE >> 20} MB of memory and {available >> 20} MB are free; "
+            f"use -j {max(1, available // WORKER_SIZE)}"
+        )
 
 
 def available_memory() -> int | None:

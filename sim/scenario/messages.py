@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import typing
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -37,6 +37,8 @@ TOLD = {  # pydantic's kind of error -> what the value must be
     "too_long": "must have {max_length} values, not {actual_length}",
 }
 
+MOVED = {("study", "checks"): "write each under [[checks]], with its share and confidence"}  # keys of old files
+
 
 def report_faults(origin: str, faults: Iterable[str]) -> str:
     """One line for each different fault, and at the end how many more there are."""
@@ -58,24 +60,33 @@ def at(origin: str, place: str) -> Iterator[None]:
         raise ScenarioError(f"{origin}: {place} no design is possible with these numbers: {error}") from None
 
 
-def faults_of(model: type[BaseModel], error: ValidationError) -> list[str]:
-    """The faults that were found, the first of them in words; of the others only that they are there."""
+def faults_of(
+    model: type[BaseModel], error: ValidationError, owner: Callable[[list[Any], str], str | None]
+) -> list[str]:
+    """The faults that were found, the first of them in words; of the others only that they are there.
+
+    ``owner`` says to which other kind a key belongs that a table does not know.
+    """
     items = error.errors(include_url=False, include_context=True)
-    return [fault(model, item) for item in items[: 2 * MOST_FAULTS]] + [
+    return [fault(model, item, owner) for item in items[: 2 * MOST_FAULTS]] + [
         str(number) for number in range(2 * MOST_FAULTS, len(items))
     ]
 
 
-def fault(model: type[BaseModel], item: Any) -> str:
+def fault(model: type[BaseModel], item: Any, owner: Callable[[list[Any], str], str | None]) -> str:
     """One fault: where it is, what is wrong, what is allowed."""
     location = list(item["loc"])
     if item["type"] == "extra_forbidden":
         place, key = location[:-1], str(location[-1])
+        if (*place, key) in MOVED:
+            return f"{_place(place)}{key}: no such key; {MOVED[*place, key]}"
         allowed = _keys(model, place)
         same = [name for name in allowed if stem(name) == stem(key)]
         hint = f"write it as {' or '.join(same[:3])}" if same and stem(key) != key else did_you_mean(key, allowed)
         if same and stem(key) == key and key not in allowed:
             hint = f"it needs its unit: {' or '.join(same[:3])}"
+        elif hint.startswith("allowed"):  # nothing near
+            hint = owner(place, key) or hint
         return f"{_place(place)}{key}: no such key; {hint}"
     message = item["msg"].removeprefix("Value error, ")
     plain = TOLD.get(item["type"], message[0].lower() + message[1:]).format(**item.get("ctx", {}))

@@ -63,6 +63,11 @@ class Scenario:
     tables: dict[str, Any] = field(repr=False)  # the resolved file
     parts: tuple[Part, ...] = field(default=(), repr=False)  # kinds from outside that it names
 
+    @property
+    def repetitions(self) -> int:
+        """How many flights the scenario has as it stands: also those of a study that varies nothing."""
+        return self.flights * (self.study.samples if self.study is not None and not self.study.varied else 1)
+
     def part_at_fault(self, error: BaseException) -> str | None:
         """The law or the wind event in whose file an error arose, and its line; None = it arose in no such file."""
         lines = {frame.f_globals.get("__name__"): line for frame, line in traceback.walk_tb(error.__traceback__)}

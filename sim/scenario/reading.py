@@ -20,7 +20,7 @@ from sim.scenario.messages import faults_of, quantity, report_faults
 from sim.scenario.model import Scenario, TrackerChoice
 from sim.scenario.parameters import TrueShare, construct, dump, given_values, parameters
 from sim.scenario.plugins import Catalogue, catalogue_with, is_outside, said
-from sim.scenario.schema import ROUTES, file_model, kind_of, parts_of
+from sim.scenario.schema import ROUTES, file_model, kind_of, owner_of, parts_of
 from sim.scenario.tables import (
     HIGHEST_FLIGHT,
     STARTS,
@@ -143,7 +143,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
     try:
         model.model_validate(tables)
     except ValidationError as error:
-        faults += faults_of(model, error)
+        faults += faults_of(model, error, lambda place, key: owner_of(tables, place, key))
     if faults:
         raise ScenarioError(report_faults(origin, [*faults, *told_of_checks]))
     faults = list(told_of_checks)

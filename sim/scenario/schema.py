@@ -133,6 +133,15 @@ def schema(catalogue: Catalogue = BUNDLED) -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **file_model(parts).model_json_schema()}
 
 
+def owner_of(tables: dict[str, Any], place: list[Any], key: str) -> str | None:
+    """Which bundled kinds of sensor have a key that the kind at a place has not, as a hint; None = no other."""
+    if len(place) != 2 or place[0] != "sensors":
+        return None
+    own = kind_of(tables["sensors"][place[1]], None)
+    others = [kind for kind in bundled.kinds("sensors") if key in model_of(BUNDLED.load("sensors", kind)).model_fields]
+    return f"a {own} has none, it is one of {', '.join(others)}" if others else None
+
+
 def kind_of(table: Any, default: str | None) -> str | None:
     return table.get("kind", default) if isinstance(table, dict) else default
 

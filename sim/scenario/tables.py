@@ -281,7 +281,11 @@ class WindTable:
 
 @dataclass(frozen=True)
 class Check:
-    """What a flight must keep: a metric, when, how long it may be broken, its limit and where that comes from."""
+    """What every flight must keep: a metric, when, how long it may be broken, its limit and where that comes from.
+
+    With ``share`` and ``confidence`` a share of flights must keep it, shown with a one-sided confidence;
+    ``probability_max`` says the share that may break it.
+    """
 
     metric: str
     name: str | None = None
@@ -290,16 +294,37 @@ class Check:
     for_: Annotated[float, "s"] = 0.0
     max: float | None = None  # in the metric's own suffix
     min: float | None = None
+    share: float | None = None  # of the flights, at least; absent = every flight
+    confidence: float | None = None  # one-sided
+    probability_max: float | None = None  # that a flight breaks it: 1 less the share
     source: str = ""
 
     def __post_init__(self) -> None:
         _one_line(self, "name", "source")
+        for name in ("share", "confidence", "probability_max"):
+            value = getattr(self, name)
+            if value is not None and not 0 < value < 1:
+                raise ValueError(f"the check of '{self.metric}' needs a {name} above 0 and below 1, not {value:g}")
+        if self.share is not None and self.probability_max is not None:
+            raise ValueError(f"the check of '{self.metric}' has 'share' and 'probability_max': say one of them")
+        if self.confidence is None and self.required_share is not None:
+            named = "share" if self.share is not None else "probability_max"
+            raise ValueError(f"the check of '{self.metric}' has a {named} and no confidence: say one, such as 0.9")
+        if self.confidence is not None and self.required_share is None:
+            raise ValueError(
+                f"the check of '{self.metric}' has a confidence and no share: say share = 0.95, or another"
+            )
         if self.max is None and self.min is None:
             raise ValueError(f"the check of '{self.metric}' needs 'max' or 'min'")
         if self.max is not None and self.min is not None and self.max < self.min:
             raise ValueError(f"the check of '{self.metric}' has max below min")
         if self.for_ < 0:
             raise ValueError("for_s must not be negative")
+
+    @property
+    def required_share(self) -> float | None:
+        """The share of flights that must keep it; None = every flight."""
+        return self.share if self.probability_max is None else 1.0 - self.probability_max
 
 
 @dataclass(frozen=True)
@@ -326,43 +351,21 @@ class Departure:
 
 
 @dataclass(frozen=True)
-class StudyCheck:
-    """What a share of all flights of a study must keep, with a confidence that the number of flights gives."""
-
-    metric: str
-    name: str | None = None
-    max: float | None = None  # in the metric's own suffix
-    min: float | None = None
-    share: float = 0.95  # of the flights, at least
-    confidence: float = 0.95  # one-sided
-    source: str = ""
-
-    def __post_init__(self) -> None:
-        _one_line(self, "name", "source")
-        if (self.max is None) == (self.min is None):
-            raise ValueError(f"the check of '{self.metric}' needs either 'max' or 'min'")
-        for name in ("share", "confidence"):
-            if not 0 < getattr(self, name) < 1:
-                raise ValueError(f"the check of '{self.metric}' needs a {name} between 0 and 1, such as 0.95")
-
-
-@dataclass(frozen=True)
 class StudyTable:
-    """What a study varies, how many samples it draws of what is distributed, and what its flights must keep."""
+    """What a study varies, and how many samples it draws of what is distributed; without axes, of the air alone."""
 
-    axes: dict[str, Any]
+    axes: dict[str, Any] | None = None  # absent = nothing is varied: every sample is one more flight
     samples: int = 1
     show: tuple[str, ...] = ()  # metrics that the report draws; absent = those of the checks, or the usual ones
     theory: Literal["orbit", "energy", "gain"] | None = None  # the border that maps draw
-    checks: tuple[StudyCheck, ...] = ()
 
     def __post_init__(self) -> None:
-        if not self.axes:
-            raise ValueError("axes are empty: a study varies at least one value")
+        if self.axes is not None and not self.axes:
+            raise ValueError("axes are empty: a study varies at least one value, or has no axes and samples alone")
         if self.samples < 1:
             raise ValueError("samples must be at least 1")
         drawn = [one for one in self.varied if isinstance(one, Sampled)]
-        if self.samples > 1 and not drawn:
+        if self.samples > 1 and self.axes and not drawn:
             raise ValueError("samples are drawn from distributions, and no axis is one; take 'samples' out")
         sobol = any(one.distribution == "sobol" for one in drawn)
         if sobol and self.samples & (self.samples - 1):
@@ -372,4 +375,4 @@ class StudyTable:
     @property
     def varied(self) -> tuple[Axis, ...]:
         """The axes, in the order of the file."""
-        return tuple(axis(address, given) for address, given in self.axes.items())
+        return tuple(axis(address, given) for address, given in (self.axes or {}).items())

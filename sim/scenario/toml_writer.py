@@ -19,7 +19,7 @@ def dumps(table: dict[str, Any]) -> str:
 def _write(table: dict[str, Any], path: tuple[str, ...], lines: list[str]) -> None:
     plain = {k: v for k, v in table.items() if v is not None and not _is_table(v)}
     width = max((len(_key(k)) for k in plain), default=0)
-    lines += [f"{_key(key):{width}} = {_value(value)}" for key, value in plain.items()]
+    lines += [f"{_key(key):{width}} = {inline(value)}" for key, value in plain.items()]
     for key, value in table.items():
         if value is None or not _is_table(value):
             continue
@@ -37,11 +37,14 @@ def _key(key: str) -> str:
     return key if BARE.fullmatch(key) else json.dumps(key)
 
 
-def _value(value: Any) -> str:
+def inline(value: Any) -> str:
+    """A value as it stands behind an equals sign, on one line."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, list | tuple):
-        return f"[{', '.join(_value(item) for item in value)}]"
+        return f"[{', '.join(inline(item) for item in value)}]"
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{_key(key)} = {inline(item)}' for key, item in value.items())} }}"
     return repr(value)

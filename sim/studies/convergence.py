@@ -2,10 +2,10 @@
 
 The same approaches are flown at each rate with the same gains, in the same air: turbulence is one path, made in steps
 of the finest rate and met in steps of each. A rate is good enough when no figure differs from that of the finest rate
-by more than ``SHARE`` of the limit that checks set it. A hundredth is less than the digits in which limits are stated,
-so no check is passed or failed by the step. Where neither 60 nor 120 Hz is good enough it is 120 Hz, and how far that
-is off stands beside it: in turbulence the autopilot of a light aircraft decides a little earlier or later at any rate.
-There is one rate for a whole flight, because actuators keep the step with which they were loaded.
+by more than ``SHARE`` of the limit that checks set it: a hundredth is less than the digits in which limits are stated.
+Where neither 60 nor 120 Hz is that good it is 120 Hz, and how far that is off stands beside it: 240 Hz would cost twice
+as much and move single flights in turbulence only. There is one rate for a whole flight, because actuators keep the
+step with which they were loaded.
 """
 
 from __future__ import annotations

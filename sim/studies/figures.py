@@ -231,7 +231,7 @@ def _curves(name: str, x: str, lines: str | None, metrics: dict[str, Any]) -> Ch
 
 
 def _distribution(name: str, records: Sequence[dict[str, Any]], checks: Sequence[dict[str, Any]]) -> Chart:
-    from sim.studies.metrics import scalars
+    from sim.metrics.ensemble.spread import scalars
 
     values = np.sort([v for record in records for key, v in scalars(record["metrics"]) if key == name])
     figure, (axes,) = style.panels(2.6)

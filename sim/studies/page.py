@@ -7,9 +7,12 @@ from typing import Any
 
 from sim.reporting.figures import style
 from sim.reporting.page import rendered
+from sim.reporting.text.broken_checks import broken_checks, run_again
 from sim.reporting.text.labels import ABSENT, words
+from sim.reporting.text.rows import kept_by
 from sim.scenario.toml_writer import dumps
 from sim.studies.figures import figure_of, study_charts
+from sim.studies.folder import SCENARIO
 from sim.studies.theory import predicted_figures
 from sim.versions import rows
 
@@ -22,14 +25,13 @@ def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any
     with style.drawing():
         charts = study_charts(scenario, metrics, records, shown)
     predicted = predicted_figures(scenario, metrics["rows"][:MOST_ROWS])
-    failed = [check["name"] for check in metrics["checks"] if check["passed"] is False]
     ended = ", ".join(f"{count} {words(name)}" for name, count in sorted(metrics["outcomes"].items()))
     return rendered(
         "study.html",
         name=scenario.name,
         sentence=f"{metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}.",
-        good=not failed and "crashed" not in metrics["outcomes"],
-        failed=failed,
+        good=all(check["passed"] is not False for check in metrics["checks"]) and "crashed" not in metrics["outcomes"],
+        failed=broken_checks(metrics, run_again(SCENARIO)),
         charts=charts,
         checks=[_check(check) for check in metrics["checks"]],
         axes=[_axis(address, axis) for address, axis in metrics["axes"].items()],
@@ -48,9 +50,12 @@ def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any
 def shown_metrics(scenario: Any, metrics: dict[str, Any]) -> list[str]:
     """The figures that the study asks for, else those of its checks, else the usual ones; only what was flown."""
     usual = ("overshoot_m", "settling_s", "time_saturated_s", "bank_max_deg")
-    asked = scenario.study.show or [check["metric"] for check in metrics["checks"]] or usual
     flown = {name for row in metrics["rows"] for name in row}
-    return [name for name in dict.fromkeys(asked) if all(part in flown for part in name.split(" / "))]
+    for asked in (scenario.study.show, [check["metric"] for check in metrics["checks"]], usual):
+        shown = [name for name in dict.fromkeys(asked) if all(part in flown for part in name.split(" / "))]
+        if asked and shown:
+            return shown
+    return []
 
 
 def _axis(address: str, axis: dict[str, Any]) -> tuple[str, str]:
@@ -83,9 +88,8 @@ def _spread(found: dict[str, Any] | None) -> str:
 
 
 def _check(check: dict[str, Any]) -> dict[str, Any]:
-    asked = "every flight" if check["share"] == 1.0 else (
-        f"{100 * check['share']:g} % of flights with {100 * check['confidence']:g} % confidence"
-    )  # fmt: skip
+    asked = "every flight" if check["confidence"] is None else f"{100 * check['share']:g} % of flights"
     numbers = {key: _value(check[key]) for key in ("value", "limit", "margin")}
     verdict = {None: ("open", "not flown"), True: ("held", "held"), False: ("broken", "broken")}[check["passed"]]
-    return {**check, **numbers, "asked": asked, "look": verdict[0], "verdict": verdict[1]}
+    kept = {"asked": asked, "kept": kept_by(check), "look": verdict[0], "verdict": verdict[1]}
+    return {**check, **numbers, **kept, "source": check["source"] or ABSENT}

@@ -13,13 +13,13 @@ from sim.errors import ScenarioError
 from sim.experiment import read
 from sim.flight.gains import INPUTS
 from sim.flight.preparation import prepare
+from sim.metrics.ensemble.verdict import refuse_unfit
 from sim.scenario.axes import Axis, Listed, cells, samples
 from sim.scenario.model import Scenario
 from sim.scenario.plugins import Catalogue, Part, catalogue_with
-from sim.scenario.tables import StudyCheck, StudyTable
+from sim.scenario.tables import StudyTable
 from sim.studies import folder as folders
 from sim.studies.job import with_values
-from sim.studies.metrics import fewest_flights
 from sim.studies.theory import THEORIES
 
 LARGEST_STUDY = 100_000  # flights
@@ -55,13 +55,16 @@ def plan(scenario: Scenario, plugins: Any = ()) -> Study:
     """What a study flies; raises ``ScenarioError`` for axes and checks that no flight has, before anything is flown."""
     table = scenario.study
     if table is None:
-        raise ScenarioError(f"{scenario.name}: has no [study.axes]; say what is to be varied, or use 'run'")
+        raise ScenarioError(
+            f"{scenario.name}: has no [study]; say what is to be varied under [study.axes], or [study] samples = N for "
+            f"N flights in air of their own, or use 'run'"
+        )
     axes = table.varied
     faults, parts = _faults(scenario, table, axes, catalogue_with(plugins).also(scenario.parts))
     if faults:
         raise ScenarioError("\n".join(f"{scenario.name}: {fault}" for fault in faults))
     planned = Study(scenario, table, axes, cells(axes), samples(axes, table.samples, scenario.seed), parts)
-    _refuse_too_few(planned)
+    refuse_unfit(scenario.name, scenario.checks, scenario.flights * table.samples, scenario.trackers)
     return planned
 
 
@@ -100,21 +103,6 @@ def _said(line: str) -> str:
     return line.removeprefix("scenario: ").removeprefix("--set ")
 
 
-def _refuse_too_few(planned: Study) -> None:
-    for one in planned.table.checks:
-        needed = fewest_flights(one.share, one.confidence)
-        if planned.flights < needed:
-            raise ScenarioError(
-                f"{planned.scenario.name}: [[study.checks]] '{_name(one)}': {100 * one.share:g} % with "
-                f"{100 * one.confidence:g} % confidence needs at least {needed} flights, "
-                f"the study has {planned.flights}"
-            )
-
-
-def _name(check: StudyCheck) -> str:
-    return check.name or check.metric
-
-
 def _flown_tables(scenario: Scenario) -> dict[str, Any]:
     """The resolved tables of one flight."""
     return {key: value for key, value in scenario.tables.items() if key != "study" and value is not None}
@@ -150,7 +138,7 @@ def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
 def _designed(text: str, parts: tuple[Part, ...]) -> dict[str, Any]:
     tables = json.loads(text)
     truth = {"autopilot": {**tables["autopilot"], "navigation": "truth"}}  # gains do not depend on who navigates
-    return prepare(read({"name": "design", **tables, **truth}, plugins=parts)).designed.to_table()
+    return prepare(read({"name": "design", **tables, **truth}, plugins=parts)).gains.designed.to_table()
 
 
 def read_text(text: str, catalogue: Catalogue) -> Scenario:

@@ -15,7 +15,7 @@ from typing import Any
 from sim.errors import OutputError
 from sim.experiment import read
 from sim.files import replace, replace_json
-from sim.scenario.budget import available_memory
+from sim.scenario.budget import refuse_workers
 from sim.scenario.plugins import catalogue_with, digests
 from sim.scenario.toml_writer import dumps
 from sim.studies import flight_cache
@@ -27,7 +27,6 @@ from sim.versions import versions
 from sim.workers.executors import Executor, Lost
 
 RECORD_SIZE = 20_000  # bytes of one flight in the log, at most about
-WORKER_SIZE = 350 << 20  # bytes of one worker, measured below this
 
 
 def study(
@@ -81,13 +80,7 @@ def resume(
 
 def _refuse_too_much(planned: Study, folder: Path, workers: int) -> None:
     """Memory and disk that the study needs, before it starts."""
-    available = available_memory()
-    if available is not None and workers * WORKER_SIZE > available:
-        fitting = max(1, available // WORKER_SIZE)
-        raise OutputError(
-            f"{workers} workers need {workers * WORKER_SIZE >> 20} MB of memory and {available >> 20} MB are free; "
-            f"use -j {fitting}"
-        )
+    refuse_workers(workers)
     place = next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), Path("."))
     free, needed = shutil.disk_usage(place).free, planned.flights * RECORD_SIZE
     if needed > free:
@@ -150,7 +143,7 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
         "flights": len(ordered),
         "samples": planned.table.samples,
         "versions": versions(digests(planned.parts)),
-        **study_metrics(planned.axes, ordered, scenario.checks, planned.table.checks),
+        **study_metrics(planned.axes, ordered, scenario.checks),
     }
     try:
         replace(folder / folders.LOG, "".join(lines))

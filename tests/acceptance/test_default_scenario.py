@@ -16,7 +16,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from sim.estimation.setup import chart_height
+from sim.estimation.setup import height_profile
 from sim.estimation.tracking_run import track
 from sim.experiment import fly
 from sim.flight.interpolation import truth_at
@@ -63,7 +63,7 @@ def squares(prepared, flight, one, heard):
     order = np.argsort(one.measurements.arrival, kind="stable")
     taken = truth_at(flight, one.measurements.time[order])
     z = one.measurements.z[order]
-    plots = comparison.raw(flight, taken, one.measurements.channels, z, sensors, chart_height(prepared))["position_m"]
+    plots = comparison.raw(flight, taken, one.measurements.channels, z, sensors, height_profile(prepared))["position_m"]
     raw = comparison.squared(plots)
     seen = np.isfinite(raw).all(axis=1)
     return comparison.squared(own)[seen], raw[seen], np.array(flight.phases)[truth.phase[seen]]

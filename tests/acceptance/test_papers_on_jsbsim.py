@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import sim
-from sim.estimation.setup import chart_height
+from sim.estimation.setup import height_profile
 from sim.flight.interpolation import truth_at
 from sim.metrics import comparison
 from tracking.intervals import gain, mean_interval, proportion, rmse
@@ -38,7 +38,7 @@ def squares(result, name, channel):
     own = comparison.compare(flight, truth, track.channels, track.mean, cov, sensors)[channel]
     order = np.argsort(record.arrival, kind="stable")
     taken = truth_at(flight, record.time[order])
-    plots = comparison.raw(flight, taken, record.channels, record.z[order], sensors, chart_height(result.prepared))
+    plots = comparison.raw(flight, taken, record.channels, record.z[order], sensors, height_profile(result.prepared))
     raw = comparison.squared(plots[channel])
     seen = np.isfinite(raw).all(axis=1)
     return comparison.squared(own)[seen], raw[seen], np.array(flight.phases)[truth.phase[seen]]

@@ -119,7 +119,9 @@ def test_every_check_is_a_test_and_a_failure_says_what_when_and_why(project):
     assert "line.scenario.toml::sink_mps SKIPPED" in told
     assert "no glide was flown" in told
     said = re.search(
-        r"tight bank: bank_deg = (\S+) deg at (\S+) s, limit 2 deg, beyond it by (\S+) deg; source: no a", told
+        r"tight bank: bank_deg = (\S+) deg at (\S+) s, limit 2 deg, beyond it by (\S+) deg; source: no airline; "
+        r"flight 0, seed 1: shortfinal run line\.scenario\.toml --flight 0\n",
+        told,
     )
     assert said, told
     assert float(said[1]) - 2 == pytest.approx(float(said[3]), abs=0.01)  # four figures are printed
@@ -130,6 +132,30 @@ def test_every_check_is_a_test_and_a_failure_says_what_when_and_why(project):
     assert "report: kept/line/report.html" in told
     assert (project.folder / "kept/line/report.html").stat().st_size > 10_000
     assert [path.name for path in (project.folder / "kept").iterdir()] == ["line"]
+
+
+def test_a_file_with_a_study_is_flown_as_the_study(project):
+    (project.folder / "line.scenario.toml").unlink()
+    (project.folder / "pytest.ini").write_text("[pytest]\nshortfinal_workers = 2\n")
+    air = SCENARIO.replace("draws = 2", "draws = 1") + '[wind]\nturbulence = "moderate"\n'
+    (project.folder / "air.scenario.toml").write_text(f"{air}{GOOD}{BAD}{UNFLOWN}[study]\nsamples = 3\n")
+    few = GOOD + "share = 0.95\nconfidence = 0.9\n"
+    (project.folder / "few.scenario.toml").write_text(f"{air}{few}[study]\nsamples = 3\n")
+    (project.folder / "test_air.py").write_text(
+        "def test_fixture(shortfinal):\n"
+        "    checks = shortfinal('air.scenario.toml').metrics['checks']\n"
+        "    assert [(check['passed'], check['flights']) for check in checks] == [(True, 3), (False, 3), (None, 3)]\n"
+    )
+    code, told = project("-v", "--continue-on-collection-errors", "--shortfinal-report=kept")
+    assert code == 1, told
+    assert "1 failed, 2 passed, 1 skipped, 1 error" in told, told
+    assert "needs at least 45 flights, there are 3: none broken of 3 says only below 54 %" in told
+    assert "tight bank: 0 of 3 flights keep it; bank_deg = " in told
+    assert re.search(r"flight \d, seed 1: shortfinal run air\.scenario\.toml --flight \d\n", told)
+    assert "report: kept/air/report.html" in told
+    assert len((project.folder / "kept/air/flights.jsonl").read_text().splitlines()) == 3
+    (project.folder / "pytest.ini").write_text("[pytest]\nshortfinal_workers = many\n")
+    assert "shortfinal_workers: must be a whole number from 1 on, not 'many'" in project("air.scenario.toml")[1]
 
 
 def test_a_broken_file_is_one_collection_error_with_file_and_key(project):

@@ -3,19 +3,31 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from tracking.gaussian import Gaussian
+from tracking.height_profile import ChartHeight
 from tracking.measurement import DebiasedPolar, ExtendedPolar, Stacked
-from tracking.partial_place import Azimuth, Chosen, GlidePath, SlantRange
+from tracking.partial_place import Azimuth, Chosen, SlantRange
 from tracking.trackers.kalman import Kalman
 from tracking.trackers.line_of_approach import LineOfApproach
 
-PATH = GlidePath(600.0, (300.0, 0.0), 0.0, math.radians(3.0))
+
+class Level(NamedTuple):
+    """A chart of one height."""
+
+    height: float
+    sigma: float = 0.0
+
+    def at(self, *anywhere):
+        return ChartHeight(self.height, self.sigma**2)
+
+
 AZIMUTH = Azimuth((2800.0, 50.0), math.pi)
-RANGE = SlantRange((300.0, 120.0, 3.0), GlidePath(600.0))
+RANGE = SlantRange((300.0, 120.0, 3.0), Level(600.0))
 MEAN = np.array([[-9000.0, -4000.0], [60.0, 55.0], [250.0, -30.0], [-3.0, 1.0]])  # of two runs
 
 
@@ -53,12 +65,15 @@ def test_nothing_is_read_over_an_antenna():
     assert np.isnan(RANGE.linearise(np.full((1, 1), 600.0), np.ones((1, 1, 1)), over).z).all()
 
 
-def test_the_assumed_height_is_that_of_the_glide_path():
-    heights = PATH.height(np.array((-20_000.0, -5000.0, 300.0, 900.0)), np.zeros(4))
-    assert heights == pytest.approx([600.0, 5300.0 * math.tan(math.radians(3.0)), 0.0, 0.0])
-    turned = GlidePath(600.0, (300.0, 0.0), math.pi / 2, math.radians(3.0))
-    assert turned.height(300.0, -2000.0) == pytest.approx(2000.0 * math.tan(math.radians(3.0)))
-    assert GlidePath(600.0).height(0.0, 0.0) == 600.0
+def test_a_height_that_is_not_known_is_an_error_of_the_range():
+    """Sampled: the spread of the slant range over heights, beside its own noise."""
+    rng = np.random.default_rng(1)
+    mean = np.array([-2000.0, 60.0, 250.0, 0.0])[:, None]
+    uncertain = SlantRange(RANGE.position, Level(600.0, 90.0))
+    R = uncertain.linearise(np.full((1, 1), 2500.0), np.full((1, 1, 1), 15.0**2), mean).R
+    heights = 597.0 + 90.0 * rng.standard_normal(20_000)
+    sampled = np.sqrt(2300.0**2 + 130.0**2 + heights**2) + 15.0 * rng.standard_normal(20_000)
+    assert R[0, 0] == pytest.approx(sampled.var(), rel=0.05)  # 3 standard errors are 3 %, and the square bends
 
 
 def test_a_range_and_an_azimuth_of_one_antenna_are_a_plot():
@@ -66,7 +81,7 @@ def test_a_range_and_an_azimuth_of_one_antenna_are_a_plot():
     here, sigma = (100.0, 50.0, 3.0), np.diag((20.0**2, 0.002**2))
     z = np.array([[9105.0], [3.13]])
     prior = Gaussian(MEAN[:, :1], np.diag((200.0, 5.0, 150.0, 5.0))[..., None] ** 2)
-    rows = Stacked((SlantRange(here, GlidePath(600.0)), Azimuth(here[:2], 0.0)))
+    rows = Stacked((SlantRange(here, Level(600.0)), Azimuth(here[:2], 0.0)))
     apart, _ = Kalman(rows).step(prior, 0.0, z, sigma[..., None])
     plot, _ = Kalman(ExtendedPolar(here[:2], 0.0, 597.0)).step(prior, 0.0, z, sigma[..., None])
     np.testing.assert_allclose(apart.mean, plot.mean, rtol=0, atol=0.1)  # slant and ground differ by second order

@@ -53,7 +53,7 @@ def measurement_errors(
         record, channel = records[name], records[name].channels[row]
         quantity = quantity_of(channel)
         names = tuple(f"{name}.{one}" for one in record.channels)
-        errors = raw(flight, truth_at(flight, record.time), names, record.z[..., :1], {name: sensors[name]}, 0.0)
+        errors = raw(flight, truth_at(flight, record.time), names, record.z[..., :1], {name: sensors[name]}, None)
         suffix = f"_{quantity.unit}" if quantity.unit else ""
         error = errors[f"{name}.{channel}{suffix}"].error[:, 0, 0]
         sigma = quantity.factor * np.sqrt(record.R[:, row, row] if record.R.ndim == 3 else record.R[:, row, row, 0])

@@ -12,31 +12,36 @@ from sim.flight.record import Flight
 from sim.metrics import table
 from sim.metrics.flight import figure
 from sim.reporting.text.best_tracker import best_tracker
-from sim.reporting.text.labels import number, unit, words
-from sim.reporting.text.outcome_sentence import what_happened
+from sim.reporting.text.labels import number as digits
+from sim.reporting.text.labels import unit, words
+from sim.reporting.text.outcome_sentence import how_it_ended, what_happened
 from sim.reporting.text.rows import check_name
 from sim.reporting.tracker_figures.error_curves import Shown
 
 
-def first_screen(scenario: Any, flight: Flight, metrics: dict[str, Any], followed: list[Shown]) -> dict[str, Any]:
-    """What the head of the page is filled with."""
+def first_screen(
+    scenario: Any, flight: Flight, metrics: dict[str, Any], followed: list[Shown], number: int = 0
+) -> dict[str, Any]:
+    """What the head of the page is filled with, about one flight; the verdicts are about all."""
     checks = metrics.get("checks", [])
     failed = [check_name(check) for check in checks if check["passed"] is False]
     return {
         "name": scenario.name,
-        "subtitle": _subtitle(scenario, metrics),
+        "number": number,
+        "subtitle": _subtitle(scenario, metrics, number),
+        "ended": how_it_ended(flight, metrics["flight"]),
         "sentence": what_happened(flight, metrics["flight"], checks),
         "why": (metrics["flight"].get("navigated") or {}).get("why"),
         "winner": best_tracker(flight, metrics.get("trackers") or {}, followed),
         "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed"),
         "failed": failed,
-        "others": _outcomes(metrics.get("flights_summary", {}).get("outcomes", {})),
+        "outcomes": _outcomes(metrics.get("flights_summary", {}).get("outcomes", {})),
         "warnings": metrics.get("warnings", []),
         "key_figures": _key_figures(metrics["flight"]),
     }
 
 
-def _subtitle(scenario: Any, metrics: dict[str, Any]) -> list[str]:
+def _subtitle(scenario: Any, metrics: dict[str, Any], number: int) -> list[str]:
     """What was flown: aircraft, law, air, seed."""
     aircraft = scenario.aircraft
     parts = ["point mass" if aircraft.model == "point_mass" else data(aircraft.model).title]
@@ -45,8 +50,8 @@ def _subtitle(scenario: Any, metrics: dict[str, Any]) -> list[str]:
     parts.append(f"law {words(scenario.mode)}, bank limit {np.degrees(scenario.autopilot.bank_limit):.0f} deg")
     parts += weather.words(scenario)
     parts.append(f"seed {metrics.get('seed', scenario.seed)}")
-    if metrics.get("flights", 1) > 1:
-        parts.append(f"first of {metrics['flights']} flights")
+    if metrics.get("flights", 1) > 1 or number > 0:
+        parts.append(f"flight {number}")
     return parts
 
 
@@ -59,7 +64,7 @@ def _outcomes(counts: dict[str, int]) -> str:
 def _key_figures(flight: dict[str, Any]) -> list[tuple[str, str, str]]:
     """(label, number, unit) of the figures that this flight has."""
     return [
-        (row.label, number(float(value), row.digits), unit(row.unit))
+        (row.label, digits(float(value), row.digits), unit(row.unit))
         for row in table.METRICS
         if row.headline and (value := figure(flight, row.name)) is not None
     ]

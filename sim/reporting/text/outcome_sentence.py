@@ -20,8 +20,13 @@ def what_happened(flight: Flight, figures: dict[str, Any], checks: list[dict[str
 
     ``figures`` and ``checks`` are those of metrics.json.
     """
+    return f"{how_it_ended(flight, figures)}; {_verdict(checks)}."
+
+
+def how_it_ended(flight: Flight, figures: dict[str, Any]) -> str:
+    """When the flight ended, where and how it touched down; without a full stop."""
     ending = _ending(flight, figures.get("touchdown")) + _rollout(flight, figures.get("rollout"))
-    return f"After {duration(figures['duration_s'])} {ending}; {_verdict(checks)}."
+    return f"After {duration(figures['duration_s'])} {ending}"
 
 
 def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
@@ -84,9 +89,11 @@ def _verdict(checks: list[dict[str, Any]]) -> str:
     failed = [check["name"] for check in judged if not check["passed"]]
     if not judged:
         return "the scenario has no checks" if not checks else "no check could be judged"
+    over = f"over all {checks[0]['flights']} flights " if checks[0]["flights"] > 1 else ""
     if failed:
-        return f"{len(failed)} of {len(judged)} checks failed"
-    return {1: "its one check held", 2: "both checks held"}.get(len(judged), f"all {len(judged)} checks held")
+        return f"{over}{len(failed)} of {len(judged)} checks failed"
+    held = {1: "its one check held", 2: "both checks held"}.get(len(judged), f"all {len(judged)} checks held")
+    return over + held
 
 
 def first_clause(reason: str) -> str:

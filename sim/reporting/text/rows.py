@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from sim.flight.record import Flight
 from sim.metrics import signals, table
+from sim.metrics.ensemble.verdict import worst_first
 from sim.metrics.flight import NAVIGATED, figure
 from sim.metrics.navigation import beside
 from sim.reporting.text.labels import ABSENT, decimals, named, number, split, unit, words
@@ -37,8 +39,40 @@ def check_row(asked: Check, check: dict[str, Any]) -> dict[str, Any]:
         "unit": unit(check["unit"]),
         "time": number(None if check["time_s"] is None else float(check["time_s"]), 1),
         "passed": check["passed"],
+        "kept": kept_by(check),
+        "flight": str(check["flight"]),
         "source": check["source"] or ABSENT,
     }
+
+
+def kept_by(check: dict[str, Any]) -> str:
+    """How many of the flights in which it could be judged kept a check, and what that shows where a share is asked."""
+    kept = f"{check['within']} of {check['flights'] - check['not_flown']}"
+    if check["share_low"] is None:
+        return kept
+    shown, asked, confidence = (100.0 * check[key] for key in ("share_low", "share", "confidence"))
+    return f"{kept}: shows {shown:.3g} %, asked {asked:g} %, with {confidence:g} % confidence"
+
+
+def every_flight(records: Sequence[dict[str, Any]], names: Sequence[str]) -> list[dict[str, Any]]:
+    """All flights of a run, the worst first: how each ended, which checks it broke, and how near it came to a limit.
+
+    ``names`` are those of the checks. The nearest is told as the margin over the size of the limit.
+    """
+    rows = []
+    for record in worst_first(records):
+        results = [*zip(names, record["checks"], strict=False)]
+        margins = [(one["margin"] / abs(one["limit"]), name) for name, one in results if one["margin"] and one["limit"]]
+        nearest = min(margins, default=None)
+        rows.append(
+            {
+                "flight": record["flight"],
+                "outcome": words(record["metrics"]["outcome"]),
+                "broken": ", ".join(name for name, one in results if one["passed"] is False) or ABSENT,
+                "nearest": ABSENT if nearest is None else f"{number(100.0 * nearest[0], 1)} % ({nearest[1]})",
+            }
+        )
+    return rows
 
 
 def _limits(asked: Check, places: int) -> str:

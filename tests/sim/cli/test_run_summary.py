@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from sim.cli.run_summary import study_summary
-from sim.metrics.checks import broken, broken_in_study, evaluate_checks
-from sim.scenario.tables import Check, Runway, StudyCheck
-from sim.studies.metrics import every_flight, share_check
+from sim.metrics.ensemble.verdict import verdicts
+from sim.reporting.text.broken_checks import broken, run_again
+from sim.scenario.tables import Check, Runway
+from tests.sim.one_flight import judged
 
+AGAIN = "; flight 0, seed 4: shortfinal run 'a b.toml' --plugin mine.py --flight 0"
 TIME = np.arange(0.0, 20.0, 1 / 30)
 
 
@@ -18,54 +20,67 @@ TIME = np.arange(0.0, 20.0, 1 / 30)
     [
         (
             Check("bank_deg", max=15.0, source="the manual"),
-            "bank_deg: bank_deg = 18 deg at 10.0 s, limit 15 deg, beyond it by 3 deg; source: the manual",
+            f"bank_deg: bank_deg = 18 deg at 10.0 s, limit 15 deg, beyond it by 3 deg; source: the manual{AGAIN}",
         ),
         (
             Check("bank_deg", name="roll", max=15.0, for_=1.0),
-            "roll: bank_deg = 18 deg for 1 s at 10.0 s, limit 15 deg, beyond it by 3 deg; source: not given",
+            f"roll: bank_deg = 18 deg for 1 s at 10.0 s, limit 15 deg, beyond it by 3 deg; source: not given{AGAIN}",
         ),
         (
             Check("airspeed_error_mps", min=2.0, statistic="rms"),
             "airspeed_error_mps: airspeed_error_mps (rms) = 0 m/s at 0.0 s, limit 2 m/s, beyond it by 2 m/s; "
-            "source: not given",
+            f"source: not given{AGAIN}",
         ),
         (
             Check("touchdown.sink_mps", max=3.0, source="gear"),
-            "touchdown.sink_mps: the flight has no touchdown.sink_mps, limit 3 m/s; source: gear",
+            f"touchdown.sink_mps: the flight has no touchdown.sink_mps, limit 3 m/s; source: gear{AGAIN}",
         ),
     ],
 )
 def test_a_broken_check_names_value_limit_time_and_source(make_flight, check, said):
     bank = np.radians(np.where((TIME >= 9.99) & (TIME < 12), 18.0, 0.0))
     flight = make_flight(TIME, ["final"] * len(TIME), bank=bank)
-    (result,) = evaluate_checks((check,), flight, Runway(), {"touchdown": None})
-    assert broken(result) == said
+    (result,) = judged((check,), flight, Runway(), {"touchdown": {"sink_mps": None}})
+    assert broken(result, {"seed": 4}, run_again("a b.toml", ["mine.py"])) == said
 
 
-def record(speed, sink, flight=0):
-    check = {"value": sink, "margin": 3.0 - sink, "time_s": 5.0, "passed": sink <= 3.0}
+def record(speed, sink, flight=0, cell=0):
+    check = {"value": sink, "limit": 3.0, "margin": 3.0 - sink, "time_s": 5.0, "passed": sink <= 3.0}
     metrics = {"outcome": "landed", "sink_mps": sink}
-    return {"values": {"wind.speed_mps": speed}, "flight": flight, "metrics": metrics, "checks": [check]}
+    values = {"wind.speed_mps": speed, "aircraft.mass_kg": 2e4}
+    return {"cell": cell, "values": values, "flight": flight, "metrics": metrics, "checks": [check]}
 
 
-def test_a_study_names_the_worst_flight():
+STUDY = {"seed": 7, "axes": {"wind.speed_mps": {"values": [0.0]}, "aircraft.mass_kg": {"uniform": [1e4, 3e4]}}}
+
+
+def test_a_study_names_the_worst_flight_and_the_command_that_flies_it():
     records = [record(0.0, 1.0), record(8.0, 4.5, flight=3), record(12.0, 3.5)]
-    said = broken_in_study(every_flight(Check("sink_mps", max=3.0, source="gear"), 0, records))
-    assert said == (
-        "sink_mps: 1 of 3 flights keep sink_mps, limit 3 m/s; "
-        "the worst has 4.5 m/s with wind.speed_mps = 8, flight = 3; source: gear"
+    (check,) = verdicts((Check("sink_mps", max=3.0, source="gear"),), records)
+    assert broken(check, STUDY, run_again("o/scenario.toml")) == (
+        "sink_mps: 1 of 3 flights keep it; sink_mps = 4.5 m/s at 5.0 s, limit 3 m/s, beyond it by 1.5 m/s; "
+        "source: gear; flight 3, seed 7, wind.speed_mps = 8, aircraft.mass_kg = 2e+04: "
+        "shortfinal run o/scenario.toml --set wind.speed_mps=8.0 --flight 3"
     )
 
 
 def test_a_share_says_what_is_shown():
-    records = [record(0.0, 1.0 + 0.05 * i) for i in range(59)]
-    check = share_check(StudyCheck("sink_mps", max=3.0, source="gear"), records)
-    said = (
-        "sink_mps: 41 of 59 flights keep sink_mps, limit 3 m/s; "
-        "95 % with 95 % confidence are shown to keep 3.9 m/s; source: gear"
+    """59 flights of which none may fail: the worst decides."""
+    records = [record(0.0, 1.0 + 0.05 * i, flight=i) for i in range(59)]
+    (check,) = verdicts((Check("sink_mps", max=3.0, share=0.95, confidence=0.95, source="gear"),), records)
+    said = broken(check, STUDY, run_again("f"))
+    assert said.startswith(
+        "sink_mps: 41 of 59 flights keep it, which shows 58.2 % with 95 % confidence where 95 % are asked; "
+        "sink_mps = 3.9 m/s at 5.0 s"  # the largest: 1 + 58 / 20
     )
-    assert broken_in_study(check) == said  # of 59 flights the largest: 1 + 58 / 20
-    metrics = {"scenario": "s", "flights": 59, "rows": [{}], "outcomes": {"landed": 59}, "checks": [check]}
-    assert study_summary(metrics).splitlines()[-1] == said
-    none = share_check(StudyCheck("landed", min=1.0), records)
-    assert "are shown to keep no limit; source: not given" in broken_in_study(none)
+    metrics = {**STUDY, "scenario": "s", "flights": 59, "rows": [{}], "outcomes": {"landed": 59}, "checks": [check]}
+    assert study_summary(metrics, run_again("f")).splitlines()[-1] == said
+
+
+def test_a_flight_that_crashed_breaks_every_check():
+    crashed = {"flight": 1, "metrics": {"outcome": "crashed", "reason": "why"}, "checks": []}
+    (check,) = verdicts((Check("sink_mps", max=3.0),), [record(0.0, 1.0), crashed])
+    said = broken(check, STUDY, run_again("f"))
+    assert said.startswith(
+        "sink_mps: 1 of 2 flights keep it; the flight crashed, limit 3 m/s; source: not given; flight 1"
+    )

@@ -8,16 +8,18 @@ import numpy as np
 import pytest
 
 import sim
-from sim.metrics.checks import evaluate_checks, unit_of, unknown_names
-from sim.metrics.flight import flight_metrics, summarise
+from sim.metrics.checks import unit_of, unknown_names
+from sim.metrics.ensemble.spread import summary
+from sim.metrics.flight import flight_metrics
 from sim.scenario.tables import Check, Runway
+from tests.sim.one_flight import judged
 
 TIME = np.arange(0.0, 60.0, 1 / 30)
 FINAL = ["final"] * len(TIME)
 
 
 def only(check, flight, metrics=None):
-    (result,) = evaluate_checks((check,), flight, Runway(), metrics or {})
+    (result,) = judged((check,), flight, Runway(), metrics or {})
     return result
 
 
@@ -106,12 +108,10 @@ def test_a_scalar_that_the_flight_lacks_fails(make_flight):
 
 def test_unknown_metrics_and_phases_get_suggestions():
     checks = [{"metric": "bank_dge"}, {"metric": "bank_deg", "during": ["final", "glied"]}, {"metric": "sink_mps"}]
-    told = unknown_names({"checks": checks, "study": {"checks": [{"metric": "overshot_m"}, {"metric": "sink_mps"}]}})
+    told = unknown_names({"checks": checks})
     assert [fault.partition(";")[0] for fault in told] == [
         "[[checks]] entry 0 metric: no metric 'bank_dge'",
         "[[checks]] entry 1 during: no phase 'glied'",
-        "[[study.checks]] entry 0 metric: no metric 'overshot_m'",
-        "[[study.checks]] entry 1 metric: no metric 'sink_mps'",  # of a study, one number a flight is asked
     ]
     assert "did you mean 'bank_deg'?" in told[0]
     assert "did you mean 'glide'?" in told[1]
@@ -191,7 +191,9 @@ def test_touchdown_is_measured_in_the_runway_frame(make_flight):
 def test_several_flights_are_summarised():
     flights = [{"outcome": "landed", "duration_s": float(i), "touchdown": {"sink_mps": 1.0}} for i in range(1, 102)]
     flights.append({"outcome": "ground", "duration_s": 51.0, "touchdown": None})
-    summary = summarise(flights)
-    assert summary["outcomes"] == {"landed": 101, "ground": 1}
-    assert summary["duration_s"]["p50"] == 51.0
-    assert summary["touchdown.sink_mps"]["p95"] == 1.0
+    found = summary([{"metrics": metrics} for metrics in flights])
+    assert found["outcomes"] == {"landed": 101, "ground": 1}
+    assert found["duration_s"]["p50"] == 51.0
+    assert found["duration_s"]["p50_low"] < 51.0 < found["duration_s"]["p50_high"]
+    assert found["touchdown.sink_mps"]["p95"] == 1.0
+    assert found["touchdown.sink_mps"]["n"] == 101

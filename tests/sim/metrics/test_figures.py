@@ -9,9 +9,11 @@ import pytest
 
 from sim.errors import ScenarioError
 from sim.metrics.checks import evaluate_checks
+from sim.metrics.ensemble.verdict import refuse_unfit
 from sim.metrics.figures import DECISION_HEIGHT, GLIDE_CAPTURE
 from sim.metrics.flight import flight_metrics
 from sim.scenario.tables import Check, Runway
+from tests.sim.one_flight import judged
 
 GRAVITY = 9.80665
 RUNWAY = Runway()
@@ -87,11 +89,23 @@ def test_a_figure_of_a_tracker_is_found_whatever_its_channel_is_called(metric, v
     ("metric", "said"),
     [
         ("trackers.mine.overall.radar.azimuth_m.rmse", "did you mean 'trackers.mine.overall.radar.azimuth_deg.rmse'?"),
-        ("trackers.mien.overall.position_m.rmse", "did you mean 'mine'?"),
-        ("trackers.blind.overall.position_m.rmse", "tracker 'blind' never saw the aircraft"),
+        ("trackers.mine.lost_fractoin", "did you mean 'trackers.mine.overall.position_m.rmse'?"),
     ],
 )
 def test_a_figure_that_is_not_there_is_answered_by_what_is(metric, said, make_flight):
     with pytest.raises(ScenarioError) as caught:
-        evaluate_checks((Check(metric, max=1.0),), glide(make_flight), RUNWAY, {"trackers": TRACKERS})
+        judged((Check(metric, max=1.0),), glide(make_flight), RUNWAY, {"trackers": TRACKERS})
     assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("metric", ["trackers.blind.overall.position_m.rmse", "trackers.mine.lost_time_s"])
+def test_a_figure_that_this_flight_does_not_have_fails(metric, make_flight):
+    """A tracker that never saw the aircraft has no errors, and one that was never lost no time of it."""
+    trackers = {**TRACKERS, "mine": {**TRACKERS["mine"], "lost_time_s": None}}
+    (result,) = judged((Check(metric, max=1.0),), glide(make_flight), RUNWAY, {"trackers": trackers})
+    assert (result["value"], result["passed"]) == (None, False)
+
+
+def test_a_tracker_that_no_scenario_has_is_told_before_anything_flies():
+    with pytest.raises(ScenarioError, match=r"entry 0 \('a'\) metric: no tracker 'mien'; did you mean 'mine'\?"):
+        refuse_unfit("s", (Check("trackers.mien.anees", name="a", max=1.0),), 1, ["mine"])

@@ -167,7 +167,7 @@ def test_the_page_of_the_gain_map_has_theory_beside_every_flight():
         for i, values in enumerate(cells(scenario.study.varied))
     ]
     metrics = {"scenario": "gain_map", "seed": 1, "flights": 6, "versions": {}}
-    metrics |= study_metrics(scenario.study.varied, records, (), ())
+    metrics |= study_metrics(scenario.study.varied, records, ())
     text = page(scenario, metrics, records)
     for told in ("bank_cycle_deg by theory", "bank_cycle_period_s by theory", "theory and flights"):
         assert told in text

@@ -19,14 +19,16 @@ from autopilot.route import Leg, Route
 from sim.cli.export import export
 from sim.flight.outcomes import STOPPED
 from sim.metrics import signals, table
-from sim.metrics.checks import evaluate_checks, unknown_names, with_examples
+from sim.metrics.checks import unknown_names, with_examples
+from sim.metrics.ensemble.spread import summary
 from sim.metrics.figures import Context, Navigation
-from sim.metrics.flight import figure, flight_metrics, navigated_figures, summarise
+from sim.metrics.flight import figure, flight_metrics, navigated_figures
 from sim.reporting.text.header import first_screen
 from sim.reporting.text.rows import check_name, check_row, scalar_rows, spread_rows
 from sim.scenario.schema import schema
 from sim.scenario.tables import Check, Runway
 from sim.studies import study as studies
+from tests.sim.one_flight import judged
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "parts" / "metric_row.py"
 CONTEXT = Context(Runway(), math.radians(15.0), Navigation(12.0, 1.5, 4.0, 90.0), stall_speed=50.0)
@@ -94,7 +96,7 @@ def test_a_signal_keeps_its_contract(row, make_flight):
     assert values.shape == flight.time.shape
     assert np.isfinite(values).any()
     assert unknown_names({"checks": [{"metric": row.name}]}) == []
-    (result,) = evaluate_checks((Check(row.name, max=1e9),), flight, Runway(), {})
+    (result,) = judged((Check(row.name, max=1e9),), flight, Runway(), {})
     assert (result["unit"], result["passed"], check_name(result)) == (row.unit, True, row.label)
 
 
@@ -110,13 +112,12 @@ def test_a_row_stands_in_metrics_and_is_accepted_by_checks_and_labelled(row, mak
     figures = flight_metrics(flight, *CONTEXT[:2], CONTEXT.stall_speed)
     figures["navigated"] = navigated_figures(flight, CONTEXT)
     assert figure(figures, row.name) == pytest.approx(float(row.of(flight, CONTEXT)))
-    check = {"metric": row.name}
-    assert unknown_names({"checks": [check], "study": {"checks": [check]}}) == []
-    (result,) = evaluate_checks((Check(row.name, max=1e9),), flight, Runway(), figures)
+    assert unknown_names({"checks": [{"metric": row.name}]}) == []
+    (result,) = judged((Check(row.name, max=1e9),), flight, Runway(), figures)
     assert (result["unit"], result["passed"], check_name(result)) == (row.unit, True, row.label)
     if row.name != "landed" and not row.name.startswith("navigated."):  # said by the outcome, and by a table of its own
         assert row.label in [label for label, *_ in scalar_rows(figures)]
-        assert row.label in [label for label, *_ in spread_rows(summarise([figures, figures]))]
+        assert row.label in [label for label, *_ in spread_rows(summary([{"metrics": figures}] * 2))]
 
 
 def test_what_is_not_finite_is_absent(make_flight, monkeypatch):
@@ -138,7 +139,7 @@ def test_one_row_more_is_in_run_checks_study_report_and_export(monkeypatch, tmp_
     monkeypatch.setattr(table, "METRICS", (*table.METRICS, row._replace(headline=True)))
 
     parts = with_examples(schema())["$defs"]
-    assert all(row.name in parts[part]["properties"]["metric"]["examples"] for part in ("Check", "StudyCheck"))
+    assert row.name in parts["Check"]["properties"]["metric"]["examples"]
     result = sim.run({**PATTERN, "checks": [{"metric": row.name, "min": 1.0}]}, flights=2)
     value = result.metrics["flight"][row.name]
     assert 1.0 < value < result.metrics["flight"]["duration_s"]
@@ -152,8 +153,8 @@ def test_one_row_more_is_in_run_checks_study_report_and_export(monkeypatch, tmp_
     assert (row.label, "s") in [line[:2] for line in spread_rows(result.metrics["flights_summary"])]
 
     axes = {"axes": {"start.cross_track_m": [0.0, 30.0]}, "show": [row.name]}
-    study = {**axes, "checks": [{"metric": row.name, "max": 1.0, "share": 0.5, "confidence": 0.5}]}
-    metrics = studies.study({**PATTERN, "study": study}, tmp_path / "study", inline())
+    checks = [{"metric": row.name, "max": 1.0, "share": 0.5, "confidence": 0.5}]
+    metrics = studies.study({**PATTERN, "study": axes, "checks": checks}, tmp_path / "study", inline())
     straight, aside = (one[row.name]["p50"] for one in metrics["rows"])
     assert (aside, straight > aside) == (pytest.approx(value), True)
     assert (metrics["checks"][0]["unit"], metrics["checks"][0]["passed"]) == ("s", False)

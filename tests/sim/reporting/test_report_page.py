@@ -16,20 +16,22 @@ from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.modes.radio_beacon import RadioBeacon
 from autopilot.route import Leg, Route, pattern_route
 from sim.flight.record import Event
-from sim.metrics.checks import evaluate_checks
 from sim.metrics.flight import flight_metrics
+from sim.reporting import run_page
 from sim.reporting.figures import style
 from sim.reporting.figures.histories import bank_history
 from sim.reporting.figures.phase_portrait import phase_portrait
 from sim.reporting.figures.plan_view import plan_view
-from sim.reporting.run_page import write
+from sim.reporting.run_page import Seen, write
 from sim.scenario.reading import read
 from sim.scenario.tables import Runway
+from tests.sim.one_flight import judged
 
 LAW = LateralNavigation(0.0025, 0.029, np.radians(15.0), 412.0, 50.0)
 LARGEST = 3_000_000  # bytes, what the report may weigh
 EVIL = "<script>alert('x')</script><img src=http://example.org/x onerror=alert(1)>\"'&{{ 7 * 7 }}"
 CHECKS = [{"metric": "bank_deg", "max": 16.1, "source": "limit 15 deg"}, {"metric": "touchdown.sink_mps", "max": 3.05}]
+EACH = [{"flight": k, "metrics": {"outcome": "landed"}, "checks": []} for k in range(4)]
 VOID = {"meta", "img", "br", "hr", "link", "input"}
 
 
@@ -70,13 +72,14 @@ def written(tmp_path, flight, law=LAW, given=None, **more):
     figures = flight_metrics(flight, given.runway, given.autopilot.bank_limit)
     metrics = {
         "flight": figures,
-        "checks": evaluate_checks(given.checks, flight, given.runway, figures),
+        "checks": judged(given.checks, flight, given.runway, figures),
         "seed": 1,
         "draws": 130,
-    }
+    } | more
+    seen = Seen(0, flight, {}, {}, figures, metrics.get("trackers", {}))
     path = write(
-        tmp_path / "report.html", scenario=given, flight=flight, law=law, metrics=metrics | more,
-        versions={"shortfinal": "0.1.0"},
+        tmp_path / "report.html", scenario=given, law=law, metrics=metrics,
+        versions={"shortfinal": "0.1.0"}, flights=[seen],
     )  # fmt: skip
     return Page(path.read_text(encoding="utf-8"))
 
@@ -174,7 +177,42 @@ def test_several_flights_tell_how_all_of_them_ended(make_flight, tmp_path):
     summary = {"outcomes": {"go_around": 1, "landed": 19}, "touchdown.sink_mps": band}
     page = written(tmp_path, make_flight(np.arange(3.0), ["final"] * 3), flights=20, flights_summary=summary)
     assert page.text.count("Outcomes of all 20 flights: 19 landed, 1 go around.") == 2
-    assert "first of 20 flights" in page.text
+    assert "flight 0" in page.text
+
+
+def test_a_page_draws_further_flights_while_there_is_room(make_flight, tmp_path, monkeypatch):
+    """What does not fit is said to be left out, and nothing is drawn beyond."""
+    given, flight = scenario(), capture(make_flight)
+    figures = flight_metrics(flight, given.runway, given.autopilot.bank_limit)
+    checks = judged(given.checks, flight, given.runway, figures)
+    metrics = {
+        "flight": figures,
+        "checks": checks,
+        "seed": 1,
+        "flights": 4,
+        "flights_summary": {"outcomes": {"landed": 4}},
+    }
+
+    def drawn(largest):
+        monkeypatch.setattr(run_page, "LARGEST", largest)
+        monkeypatch.setattr(run_page, "ROOM", 20_000)
+        asked = []
+        flights = (asked.append(number) or Seen(number, flight, {}, {}, figures, {}) for number in (2, 0, 1, 3))
+        write(
+            tmp_path / "r.html", scenario=given, law=LAW, metrics={**metrics, "each_flight": EACH},
+            versions={}, timing={}, flights=flights,
+        )  # fmt: skip
+        text = (tmp_path / "r.html").read_text()
+        return asked, Page(text), len(text)
+
+    whole, page, one = drawn(1)
+    assert (whole, page.faults, page.open) == ([2], [], [])
+    images = sum(len(a["src"]) for tag, a in page.tags if tag == "img")
+    few, page, two = drawn(int(1.5 * images) + len(page.scripts[0]))
+    assert (few, page.faults) == ([2, 0], [])
+    assert "more figures when it is flown again" in page.text
+    assert "This is the worst, flight 2; also drawn: flight 0." in " ".join(page.text.split())
+    assert one < two < one + 0.6 * images
 
 
 def test_whatever_a_scenario_says_stays_text(make_flight, tmp_path):

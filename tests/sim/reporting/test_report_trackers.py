@@ -13,7 +13,6 @@ import pytest
 
 from aircraft.state import AircraftState
 from sim.estimation.tracking_run import Tracked
-from sim.metrics.checks import evaluate_checks
 from sim.metrics.error_curves import FEW_WINDOWS, error_curves, windows
 from sim.metrics.flight import flight_metrics
 from sim.metrics.tracker import plot_errors, tracker_errors
@@ -22,7 +21,7 @@ from sim.observation.sensors.precision_radar import PrecisionRadar
 from sim.observation.sensors.surveillance_radar import SurveillanceRadar
 from sim.reporting.figures import style
 from sim.reporting.replay import ellipse
-from sim.reporting.run_page import write
+from sim.reporting.run_page import Seen, write
 from sim.reporting.text.best_tracker import best_tracker
 from sim.reporting.tracker_figures.charts import error_charts
 from sim.reporting.tracker_figures.error_curves import shown_trackers
@@ -30,6 +29,7 @@ from sim.reporting.tracker_figures.model_probabilities import anomaly_strip, mod
 from sim.reporting.tracker_figures.path_bound import path_bound
 from sim.reporting.tracker_figures.tracking_errors import azimuth_norm, containment, error_over_time
 from sim.scenario.reading import read
+from tests.sim import one_flight
 from tracking.measurement import LinearMeasurement
 from tracking.motion import CoordinatedTurn, ScheduledTurn
 from tracking.track import Measurements, Track
@@ -122,12 +122,10 @@ def summaries(given, rmse, **more):
 
 def written(tmp_path, flight, given, tracked, trackers, records=None):
     figures = flight_metrics(flight, given.runway, given.autopilot.bank_limit)
-    checks = evaluate_checks(given.checks, flight, given.runway, figures)
+    checks = one_flight.judged(given.checks, flight, given.runway, figures)
     metrics = {"flight": figures, "checks": checks, "seed": 1, "draws": 2, "trackers": trackers}
-    path = write(
-        tmp_path / "report.html", scenario=given, flight=flight, law=LAW, metrics=metrics,
-        versions={}, tracked=tracked, records=records or {},
-    )  # fmt: skip
+    seen = Seen(0, flight, records or {}, tracked, figures, trackers)
+    path = write(tmp_path / "report.html", scenario=given, law=LAW, metrics=metrics, versions={}, flights=[seen])
     return Page(path.read_text(encoding="utf-8"))
 
 

@@ -16,7 +16,7 @@ from sim.reporting.text.rows import check_row, event_rows, scalar_rows, spread_r
 from sim.reporting.text.tracker_tables import tracker_tables
 from sim.scenario.tables import Check
 
-HELD, BROKEN, OPEN = ({"name": "x", "passed": passed} for passed in (True, False, None))
+HELD, BROKEN, OPEN = ({"name": "x", "passed": passed, "flights": 1} for passed in (True, False, None))
 
 
 def ended(make_flight, outcome, reason="", across=0.0):
@@ -154,6 +154,7 @@ def result(**changes):
     return {
         "name": "bank_deg", "metric": "bank_deg", "during": "all", "statistic": "max", "for_s": 0.0, "limit": 16.1,
         "value": 15.03, "unit": "deg", "margin": 1.07, "time_s": 12.34, "passed": True, "source": "table",
+        "flight": 0, "flights": 1, "within": 1, "not_flown": 0, "share": 1.0, "share_low": None, "confidence": None,
     } | changes  # fmt: skip
 
 

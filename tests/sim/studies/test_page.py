@@ -7,6 +7,7 @@ import re
 
 import pytest
 
+from sim.metrics.checks import evaluate_checks
 from sim.scenario.reading import read
 from sim.studies.figures import study_charts
 from sim.studies.metrics import study_metrics
@@ -16,12 +17,12 @@ from tests.capture import CAPTURE
 LINE = {**CAPTURE, "name": "line"}
 
 
-def made(axes, outcome=lambda values: "completed", samples=1, **study):
+def made(axes, outcome=lambda values: "completed", samples=1, checks=(), **study):
     """A study whose overshoot is the sum of the axes' values: scenario, metrics, records."""
     from sim.scenario.axes import cells
     from sim.scenario.axes import samples as drawn
 
-    scenario = read({**LINE, "study": {"axes": axes, "samples": samples, **study}})
+    scenario = read({**LINE, "study": {"axes": axes, "samples": samples, **study}, "checks": checks})
     records = [
         {
             "cell": i,
@@ -34,7 +35,9 @@ def made(axes, outcome=lambda values: "completed", samples=1, **study):
         for i, chosen in enumerate(cells(scenario.study.varied))
         for j, sample in enumerate(drawn(scenario.study.varied, samples, 1))
     ]
-    figures = study_metrics(scenario.study.varied, records, (), scenario.study.checks)
+    for record in records:
+        record["checks"] = evaluate_checks(scenario.checks, None, scenario.runway, record["metrics"])
+    figures = study_metrics(scenario.study.varied, records, scenario.checks)
     metrics = {"scenario": "line", "seed": 1, "flights": len(records), "versions": {"python": "3"}, **figures}
     return scenario, metrics, records
 
@@ -74,12 +77,13 @@ def test_a_map_has_a_colour_for_each_cell():
 
 
 def test_the_page_is_whole_and_asks_for_nothing():
-    checks = [{"metric": "overshoot_m", "max": 3.0, "share": 0.5, "confidence": 0.5, "source": "<b>test</b>"}]
+    checks = [{"metric": "overshoot_m", "max": 3.0, "source": "<b>test</b>"}]
     scenario, metrics, records = made(SPEEDS, checks=checks)
     text = page(scenario, metrics, records)
     assert not re.search(r'(src|href)="(?!data:)', text)
     assert "<b>test</b>" not in text
-    assert "Broken: overshoot_m." in text
+    assert "Broken: overshoot_m: 4 of 10 flights keep it; overshoot_m = 9 m, limit 3 m" in text
+    assert "flight 0, seed 1, wind.speed_mps = 9: shortfinal run scenario.toml --set wind.speed_mps=9.0" in text
     assert "not for operational use" in text
     cells = re.findall(r"<tr><td>(\d)</td><td>1</td><td>1 completed</td><td>(\d)</td></tr>", text)
     assert cells == [(str(i), str(i)) for i in range(10)]

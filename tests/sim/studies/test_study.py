@@ -11,11 +11,10 @@ from scipy import stats
 from sim.errors import OutputError, ScenarioError
 from sim.experiment import run
 from sim.flight.preparation import prepare
+from sim.metrics.ensemble.spread import quantile_ranks
 from sim.scenario.axes import Listed, Sampled, axis, cells, samples
 from sim.scenario.reading import read
-from sim.scenario.tables import StudyCheck
 from sim.studies import study as studies
-from sim.studies.metrics import fewest_flights, quantile_ranks, share_check, share_interval, tolerance_rank
 from tests.capture import CAPTURE
 
 LINE = {**CAPTURE, "name": "line", "until_s": 2.0, "flights": 2, "wind": {"turbulence": "light"}}
@@ -136,13 +135,6 @@ def test_an_axis_that_no_scenario_has_is_refused_before_anything_is_written(tmp_
 # ---- statistics
 
 
-def test_59_good_flights_show_95_percent_with_95_percent_confidence():
-    """Wilks's numbers: 59 without a failure, 93 with one, 124 with two."""
-    assert fewest_flights(0.95, 0.95) == 59
-    assert tolerance_rank(58, 0.95, 0.95) is None
-    assert [n - tolerance_rank(n, 0.95, 0.95) for n in (59, 92, 93, 123, 124)] == [0, 0, 1, 1, 2]
-
-
 def test_intervals_of_quantiles_cover_as_often_as_they_say():
     """Of 2000 samples of 60 uniform numbers the interval must hold the quantile in at least 95 %, less 3 errors."""
     drawn = np.sort(np.random.default_rng(1).random((2000, 60)), axis=1)
@@ -157,38 +149,6 @@ def test_few_flights_have_no_bound_for_the_tail():
     assert quantile_ranks(1, 0.5) == (None, None)
 
 
-def test_shares_have_clopper_pearson_intervals():
-    assert share_interval(10, 10)[0] == pytest.approx(0.025 ** (1 / 10))  # closed form when all are good
-    low, high = share_interval(7, 20)
-    judge = stats.binomtest(7, 20).proportion_ci(0.95, "exact")
-    assert (low, high) == pytest.approx((judge.low, judge.high))
-
-
-@pytest.mark.parametrize(("broken", "passed"), [(0, True), (1, True), (2, False)])
-def test_a_share_check_agrees_with_the_binomial_bound(broken, passed):
-    """93 flights: one may fail. The one-sided Clopper-Pearson bound says the same by another road."""
-    values = [150.0] * broken + [50.0] * (93 - broken)
-    records = [{"metrics": {"outcome": "landed", "overshoot_m": value}} for value in values]
-    check = share_check(StudyCheck("overshoot_m", max=100.0), records)
-    bound = stats.binomtest(93 - broken, 93).proportion_ci(0.90, "exact").low  # two-sided 90 % = one-sided 95 %
-    assert check["passed"] is passed is bool(bound >= 0.95)
-    assert check["within"] == 93 - broken
-    assert (check["margin"] >= 0) is passed
-
-
-def test_a_flight_without_the_figure_does_not_keep_the_limit():
-    records = [{"metrics": {"outcome": "landed", "overshoot_m": None}}] * 2
-    records += [{"metrics": {"outcome": "landed", "overshoot_m": 1.0}}] * 60
-    assert share_check(StudyCheck("overshoot_m", max=100.0), records)["passed"] is False
-
-
-def test_minimum_checks_mirror_maximum_checks():
-    records = [{"metrics": {"outcome": "landed", "landed": float(i > 0)}} for i in range(93)]
-    assert share_check(StudyCheck("landed", min=1.0), records)["passed"] is True
-    records[1]["metrics"]["landed"] = 0.0
-    assert share_check(StudyCheck("landed", min=1.0), records)["passed"] is False
-
-
 # ---- a study
 
 
@@ -199,18 +159,11 @@ def test_a_cell_of_a_study_is_the_run_with_its_values(tmp_path):
     assert len(records) == 8
     tables = {key: value for key, value in LINE.items() if key != "study"}
     for record in (records[1], records[-1]):
-        alone = run(tables, overrides=record["values"], flights=record["flight"] + 1)
-        values = alone.metrics["flights_summary"]["bank_max_deg"]
-        assert record["flight"] == 1  # the second of two; the run's summary brackets it
-        assert min(values.values()) - 1 <= record["metrics"]["bank_max_deg"] <= max(values.values()) + 1
-        own = json.loads(json.dumps(_figures(alone.flights[1], alone)))
-        assert own == record["metrics"]
-
-
-def _figures(flight, result):
-    from sim.metrics.flight import flight_metrics
-
-    return flight_metrics(flight, result.scenario.runway, result.prepared.law.bank_limit)
+        several = run(tables, overrides=record["values"])
+        alone = run(tables, overrides=record["values"], flight=record["flight"])
+        assert record["flight"] == 1  # the second of two
+        assert several.metrics["each_flight"][1]["metrics"] == record["metrics"]
+        assert {**alone.metrics["flight"]} == {**record["metrics"], "navigated": None}
 
 
 def test_rows_say_what_flew(tmp_path):
@@ -364,16 +317,16 @@ def test_two_at_a_time_are_refused(tmp_path):
 @pytest.mark.parametrize(
     ("sets", "said"),
     [
-        ((), "has no [study.axes]"),
+        ((), "has no [study]; say what is to be varied"),
         (('study.axes={ "wind.sped_mps" = [1] }',), "did you mean 'speed_mps'?"),
         (('study.axes={ "wind.speed_mps" = [] }',), "the list is empty"),
         (
-            ('study.axes={ "wind.speed_mps" = [1] }', 'study.checks=[{ metric = "overshoot_m", max = 1 }]'),
-            "needs at least 59 flights, the study has 1",
+            ("study.samples=58", 'checks=[{ metric = "overshoot_m", max = 1, share = 0.95, confidence = 0.95 }]'),
+            "needs at least 59 flights, there are 58: none broken of 58 says only below 5 %",
         ),
         (
-            ('study.axes={ "wind.speed_mps" = [1] }', 'study.checks=[{ metric = "overshot_m", max = 1 }]'),
-            "no metric 'overshot_m'",
+            ('study.axes={ "wind.speed_mps" = [1] }', 'study.checks=[{ metric = "overshoot_m", max = 1 }]'),
+            "[study] checks: no such key; write each under [[checks]], with its share and confidence",
         ),
     ],
 )
