@@ -24,7 +24,7 @@ from aircraft.landing_gear import Contact, contacts, reach
 from aircraft.power_plant import started
 from aircraft.properties import EARTH_RADIUS, FOOT, getter, node, setter
 from aircraft.runway import Runway
-from aircraft.state import MAIN_WHEEL, AircraftState, Controls
+from aircraft.state import MAIN_WHEEL, AircraftState, Controls, WheelControls
 from aircraft.wind import SteadyWind
 
 FASTEST = 340.0  # m/s; no aircraft of ours comes down faster
@@ -102,6 +102,8 @@ class Airframe:
         self._throttles = _throttles(manager)
         self._set_flaps = setter(manager, properties.FLAPS_COMMAND)
         self._set_gear = setter(manager, properties.GEAR_COMMAND)
+        self._brakes = [setter(manager, wanted) for wanted in properties.BRAKES]
+        self._steer = setter(manager, properties.STEERING)
         self._wind = [setter(manager, wanted) for wanted in properties.WIND]
         self._settle: Callable[[], None] | None = None
         self._controls = Controls(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
@@ -218,6 +220,13 @@ class Airframe:
                 touching |= part
         self._first_contact = self._first_contact or touching
         self._touched |= touching
+
+    def set_wheels(self, wheels: WheelControls) -> None:
+        """Brakes and steering from now on."""
+        left, right, steering = wheels
+        for brake, value in zip(self._brakes, (left, right, 0.5 * (left + right)), strict=True):
+            brake(value)
+        self._steer(steering)
 
     def read(self) -> AircraftState:
         """The state now; raises ``FlightError`` with the last good one when a number is not finite."""
@@ -365,7 +374,7 @@ def load(
 
 def _built(source: model_files.Model, aircraft: AircraftData, runway: Runway, air: Air | None, stock: bool) -> Airframe:
     """The airframe of a model; a stock one is repaired where it waits for another simulator."""
-    told = repairs.drive_directly(source) if stock else None
+    told = (repairs.drive_directly(source), repairs.free_steering(source)) if stock else ()
     points, farthest = contacts(source), reach(source)
     while True:
         executive = fresh_executive(source, aircraft.rate)
@@ -376,7 +385,7 @@ def _built(source: model_files.Model, aircraft: AircraftData, runway: Runway, ai
             if not stock or not repairs.define_missing(source, said):
                 raise ModelError(f"'{source.name}' cannot be used: {said}") from None
         else:
-            airframe.repairs = tuple(text for text in (told, repairs.defined(source)) if text)
+            airframe.repairs = tuple(text for text in (*told, repairs.defined(source)) if text)
             return airframe
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_type_hints
 
 from aircraft.errors import ModelError
-from aircraft.landing_gear import height_of_wheels, touchdown_pitch, wheel_track
+from aircraft.landing_gear import height_of_wheels, steering, touchdown_pitch, wheel_track
 from aircraft.loading import total_mass
 from aircraft.model_files import Model, folder, is_file, read
 from aircraft.safe_xml import confined
@@ -53,6 +53,8 @@ class AircraftData:
     sink_limit: Annotated[float, "m/s"] = 3.05
     tailwind_limit: Annotated[float, "m/s"] = math.inf
     crosswind_limit: Annotated[float, "m/s"] = math.inf
+    wheelbase: Annotated[float, "m"] = 0.0  # from the main wheels forward to the steered wheel
+    steering_limit: Annotated[float, "rad"] = 0.0
     rate: Annotated[float, "Hz"] = 120.0  # of the equations of motion, by a convergence test
     flap_settings: tuple[FlapSetting, ...] = ()
     factors: tuple[str, ...] = ()
@@ -96,6 +98,7 @@ def describe(source: Model, model: str | Path) -> AircraftData:
         "lowest_touchdown_pitch": lowest,
         "highest_touchdown_pitch": highest,
     }
+    from_model |= dict(zip(("wheelbase", "steering_limit"), steering(source), strict=True))
     if not is_file(path):
         return AircraftData(**from_model, rate=stock_row(model).get("rate_hz", AircraftData.rate))
     try:

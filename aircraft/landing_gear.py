@@ -6,10 +6,12 @@ import math
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
-from aircraft.loading import centre_of_gravity, place
+from aircraft.loading import centre_of_gravity, place, quantity
 from aircraft.model_files import Model
 from aircraft.state import FUSELAGE, MAIN_WHEEL, NOSE_WHEEL, TAIL, TAIL_WHEEL, WING_TIP
 
+ANGLE = {"DEG": math.pi / 180.0, "RAD": 1.0}  # rad
+FULLY_TURNED = math.radians(80.0)  # a wheel that turns farther casters and steers nothing
 HIGHER = 0.5  # m above the lowest main wheel: not a main wheel, nor a nose wheel
 CENTRE = 0.01  # m from the plane of symmetry, at most: in it
 
@@ -106,6 +108,24 @@ def wheel_track(model: Model) -> float:
     """Distance between the outermost main wheels, m; 0 without any."""
     sides = [wheel.y for wheel in main_wheels(model)]
     return max(sides) - min(sides) if sides else 0.0
+
+
+def steering(model: Model) -> tuple[float, float]:
+    """(wheelbase in m, travel in rad) of the wheel that is steered and lies farthest from the main wheels; 0 for none.
+
+    The wheelbase is negative where the steered wheel is behind them, the travel where it turns against its command.
+    """
+    mains = main_wheels(model)
+    found = (0.0, 0.0)
+    for contact in _elements(model) if mains else ():
+        location, travel = contact.find("location"), contact.find("max_steer")
+        if contact.get("type") != "BOGEY" or location is None or travel is None:
+            continue
+        ahead = _axle(mains)[0] - place(location)[0]
+        limit = quantity(travel, ANGLE, "DEG")
+        if 0.0 < abs(limit) <= FULLY_TURNED and abs(ahead) > abs(found[0]):
+            found = ahead, limit
+    return found
 
 
 def height_of_wheels(model: Model) -> float:

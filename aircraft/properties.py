@@ -68,6 +68,12 @@ FLAPS = Property("fcs/flap-pos-deg", 0.017453292519943295, "flaps")
 FLAPS_OF_FULL = Property("fcs/flap-pos-norm", 1.0, "flaps over their full deflection, of models that give no angle")
 GEAR_COMMAND = Property("gear/gear-cmd-norm", 1.0, "gear, 1 down")
 GEAR = Property("gear/gear-pos-norm", 1.0, "gear, 1 down")
+BRAKES = (
+    Property("fcs/left-brake-cmd-norm", 1.0, "brakes of the left wheels, 0..1"),
+    Property("fcs/right-brake-cmd-norm", 1.0, "brakes of the right wheels"),
+    Property("fcs/center-brake-cmd-norm", 1.0, "brakes of the wheels in the middle"),
+)
+STEERING = Property("fcs/steer-cmd-norm", 1.0, "steerable wheels, -1..1 of their travel, + to the right")
 WIND = (
     Property("atmosphere/wind-north-fps", FOOT, "the way the air moves, north"),
     Property("atmosphere/wind-east-fps", FOOT, "the way the air moves, east"),

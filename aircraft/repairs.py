@@ -10,6 +10,7 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path, PurePosixPath
 
 from aircraft.model_files import Model, folder, stock_root
+from aircraft.properties import STEERING
 
 MISSING = re.compile(r"property (\S+) does not exist")
 MOST_MISSING = 40  # properties of another simulator that a model may read
@@ -31,6 +32,18 @@ def drive_directly(model: Model) -> str | None:
             model.files[DIRECT] = ElementTree.Element("direct", name="Direct")
             changed = True
     return "its turbines act directly: their propellers took the pounds of thrust for power" if changed else None
+
+
+def free_steering(model: Model) -> str | None:
+    """Let the pilot steer where something of the model, such as an autopilot that is off, sets the steering itself."""
+    changed = False
+    for tree in (model.root, *model.files.values()):
+        for component in tree.iter():
+            for output in component.findall("output"):
+                if (output.text or "").strip() == STEERING.name:
+                    component.remove(output)
+                    changed = True
+    return "its own systems do not set the nose wheel: the pilot steers it" if changed else None
 
 
 def has_propellers(model: Model) -> bool:

@@ -174,3 +174,11 @@ class Controls(NamedTuple):
     throttle: Real
     flaps: Real  # rad
     gear: Real  # 0 up, 1 down
+
+
+class WheelControls(NamedTuple):
+    """What is set on the ground besides."""
+
+    left_brake: Real  # 0..1
+    right_brake: Real
+    steering: Real  # -1..1 of the travel of the steered wheels, + to the right

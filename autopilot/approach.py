@@ -13,8 +13,11 @@ from autopilot.route import PathDeviation, Route, pack
 from autopilot.saturation import rate_limit, saturate
 from autopilot.stabilised_gate import FRESH, GateState
 
-PHASES = ("intercept", "downwind", "base_turn", "base", "final_turn", "final", "glide", "flare", "ground", "go_around")
-INTERCEPT, DOWNWIND, BASE_TURN, BASE, FINAL_TURN, FINAL, GLIDE, FLARE, GROUND, GO_AROUND = range(len(PHASES))
+PHASES = (
+    *("intercept", "downwind", "base_turn", "base", "final_turn", "final", "glide", "flare", "ground", "go_around"),
+    "rollout",  # flown by ``autopilot.rollout``
+)
+INTERCEPT, DOWNWIND, BASE_TURN, BASE, FINAL_TURN, FINAL, GLIDE, FLARE, GROUND, GO_AROUND, _ = range(len(PHASES))
 
 LEG_PHASE = (FINAL, BASE)  # of the last leg and the last but one; all before are downwind
 TURN_PHASE = (FINAL_TURN, BASE_TURN)  # onto them; onto all before: intercept

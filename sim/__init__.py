@@ -50,6 +50,8 @@ Data
     - ``phase`` (k,) - index into ``phases``, their names; ``wind`` (3, k) m/s north, east, up
     - ``events`` - (time s, name, detail); ``outcome`` - landed, go_around, completed, ground, orbit, diverged, envelope
       or time_limit; ``reason``, a sentence; ``gate_height`` m of the stabilised-approach gate, None = no landing
+    - ``rollout`` - from the landing to the stop, a `Flight` too (outcome stopped, excursion, time_limit or diverged),
+      or None; ``whole`` - both as one record
 - `AircraftState` - one instant of motion, or a record of arrays (aircraft.state)
     - ``time`` s; ``north``, ``east``, ``height`` m; ``velocity_north``, ``velocity_east``, ``velocity_up`` m/s
     - ``bank``, ``pitch``, ``heading`` rad; ``roll_rate``, ``pitch_rate``, ``yaw_rate`` rad/s, body axes
@@ -79,7 +81,8 @@ Data
     - ``model_probabilities`` (k, M, draws) of M models, or None
 - `Tracked` - one tracker, its record and what that had wrong (sim.estimation.tracking_run)
     - ``tracker``, as it was set up; ``law_from`` - origin of the law it assumes, None = none known; ``measurements``
-      that it was given; ``track``; ``curves`` - its errors over time, for figures (sim.metrics.error_curves)
+      that it was given; ``track``; ``curves`` - its errors over time, for figures (sim.metrics.error_curves);
+      ``rollout`` - its Track after the landing, or None
 - `Result` - what a run found out (sim.result)
     - ``prepared``, ``scenario``; ``metrics`` - as in metrics.json, of all flights; ``broken`` - a sentence for each
       check that failed; ``timing`` s; ``own`` - trackers that the caller brought

@@ -150,10 +150,11 @@ def run(
     records = [*crashes, record_of(number, found)]
     with timed(timing, "other_flights_s"):
         records += _others(prepared, numbers[len(records) :], trackers, workers, progress)
+    airborne = _until(flown, found.records)
     told = [
         *prepared.warnings,
-        *warnings(flown, found.flight, scenario.sensors, found.records, found.trackers),
-        *assumed_height.remarks(prepared, flown, found.records),
+        *warnings(flown, found.flight, scenario.sensors, airborne, found.trackers),
+        *assumed_height.remarks(prepared, flown, airborne),
     ]
     metrics = {
         "scenario": scenario.name,
@@ -329,6 +330,12 @@ def evaluate(prepared: Prepared, flight: Flight, number: int = 0, own: dict[str,
     return Evaluation(records, tracks, figures, trackers, navigated, checks, timing)
 
 
+def _until(flight: Flight, records: dict[str, SensorRecord]) -> dict[str, SensorRecord]:
+    """What was measured before the roll-out."""
+    end = float(flight.time[-1])
+    return {name: record.until(end) for name, record in records.items()}
+
+
 def _on_truth(prepared: Prepared, number: int) -> dict[str, Any]:
     """Figures of a flight as it goes when the autopilot sees the truth."""
     autopilot = dataclasses.replace(prepared.scenario.autopilot, navigation="truth")
@@ -383,7 +390,7 @@ def report(result: Result, folder: Path) -> None:
         resolved = {**result.scenario.tables, "designed": result.prepared.gains.to_table()}
         (folder / "scenario.toml").write_text(dumps(resolved))
         write_json(folder / "metrics.json", result.metrics)
-        write_npz(folder / "flight.npz", flight_arrays(result.flight))
+        write_npz(folder / "flight.npz", flight_arrays(result.flight.whole))
         write_npz(folder / "measurements.npz", measurement_arrays(result.records))
         write_npz(folder / "tracks.npz", track_arrays(result.tracks))
         write(

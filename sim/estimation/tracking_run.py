@@ -15,6 +15,7 @@ from sim.estimation.prior import prior
 from sim.estimation.setup import adopt, build, height_profile, listened
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
+from sim.flight.rollout import ROLLOUT
 from sim.metrics import conformance
 from sim.metrics.error_curves import ErrorCurves, error_curves
 from sim.metrics.tracker import TrackerErrors, plot_errors, tracker_errors, tracker_metrics
@@ -33,8 +34,9 @@ class Tracked(NamedTuple):
     tracker: Any
     law_from: str | None
     measurements: Measurements
-    track: Track
+    track: Track  # to the end of the flight
     curves: ErrorCurves
+    rollout: Track | None = None  # after the landing; None = nothing was measured then
 
 
 class Watch(NamedTuple):
@@ -63,8 +65,9 @@ def track(
     of_scenario = list(_of_scenario(prepared))
     watch = Watch(prepared, flight, records, {one.name: one.tracker for one in of_scenario}, number)
     every = {one.name: one for one in (*of_scenario, *_of_caller(prepared, records, own))}
-    arrived = {  # what would arrive after the end of the flight is left out
-        sensors: _between(measurements(records, sensors), -math.inf, float(flight.time[-1]))
+    last = float(flight.whole.time[-1])
+    arrived = {  # what would arrive after the end of the flight and its roll-out is left out
+        sensors: _between(measurements(records, sensors), -math.inf, last)
         for sensors in dict.fromkeys(one.sensors for one in every.values())
     }
     entries: list[Entry] = []
@@ -72,7 +75,8 @@ def track(
         figures[one.name] = {
             "kind": one.kind, "law_from": one.law_from, "overall": {}, "by_phase": {}, "conformance": None
         }  # fmt: skip
-        start = begins(prepared, one.name, one.sensors, arrived[one.sensors], flight)
+        seen = _between(arrived[one.sensors], -math.inf, float(flight.time[-1]))
+        start = begins(prepared, one.name, one.sensors, seen, flight)
         if start is not None:  # otherwise never in sight: n/a, not an error
             entries.append(Entry(*one, start))
     since = {
@@ -86,7 +90,10 @@ def track(
     tracked: dict[str, Tracked] = {}
     for (_, record, group), result in zip(calls, results, strict=True):
         for entry, outcome in zip(group, result, strict=True):
-            tracked[entry.name] = Tracked(entry.tracker, entry.law_from, record, outcome.track, outcome.curves)
+            until = _between(record, -math.inf, float(flight.time[-1]))
+            tracked[entry.name] = Tracked(
+                entry.tracker, entry.law_from, until, outcome.track, outcome.curves, outcome.rollout
+            )
             figures[entry.name] |= outcome.figures
     return {name: tracked[name] for name in every if name in tracked}, figures
 
@@ -132,6 +139,7 @@ class Outcome(NamedTuple):
     track: Track
     curves: ErrorCurves
     figures: dict[str, Any]
+    rollout: Track | None = None
 
 
 def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Outcome]:
@@ -152,11 +160,48 @@ def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Ou
     except TrackerError as error:
         raise ScenarioError(f"[trackers.{first.name}] {error}") from error
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-        plots = plot_errors(flight, sensors, height_profile(watch.prepared), record)
-        return [
-            _judged(watch, entry, own, tracker_errors(flight, sensors, own, plots), looked)
-            for entry, own, looked in zip(group, tracks, looks, strict=True)
-        ]
+        end = float(flight.time[-1])
+        until, after = _between(record, -math.inf, end), _between(record, math.nextafter(end, math.inf), math.inf)
+        plots = plot_errors(flight, sensors, height_profile(watch.prepared), until)
+        judged = []
+        for entry, own, looked in zip(group, tracks, looks, strict=True):
+            before, rolling = _parted(own, end)
+            errors = tracker_errors(flight, sensors, before, plots)
+            judged.append(_judged(watch, entry, before, errors, looked))
+            if rolling is not None:
+                judged[-1] = _with_rollout(watch, judged[-1], rolling, sensors, after)
+        return judged
+
+
+def _parted(track: Track, end: float) -> tuple[Track, Track | None]:
+    """A track to the end of the flight, and after it; None where it has nothing after it."""
+    if not len(track.time) or track.time[-1] <= end:
+        return track, None
+    count = int(np.searchsorted(track.time, end, side="right"))
+    before, after = ([None if part is None else part[side] for part in track[1:]] for side in (
+        slice(None, count), slice(count, None)
+    ))  # fmt: skip
+    return Track(track.channels, *before), Track(track.channels, *after)
+
+
+def joined(first: Track, second: Track) -> Track:
+    """One track after another as one."""
+    parts = zip(first[1:], second[1:], strict=True)
+    return Track(first.channels, *(None if a is None or b is None else np.concatenate((a, b)) for a, b in parts))
+
+
+def _with_rollout(
+    watch: Watch, judged: Outcome, rolling: Track, sensors: dict[str, Any], record: Measurements
+) -> Outcome:
+    """What was found of a tracker with its figures in the roll-out: a phase of its own, not in the others."""
+    whole = watch.flight.whole
+    errors = tracker_errors(
+        whole, sensors, rolling, plot_errors(whole, sensors, height_profile(watch.prepared), record)
+    )
+    by_phase = tracker_metrics(whole, rolling, errors)["by_phase"]
+    own = {ROLLOUT: by_phase[ROLLOUT]} if ROLLOUT in by_phase else {}
+    figures = {**judged.figures, "by_phase": {**judged.figures["by_phase"], **own}}
+    return judged._replace(figures=figures, rollout=rolling._replace(cov=rolling.cov.astype(np.float32)))
 
 
 def _judged(

@@ -12,8 +12,9 @@ import numpy as np
 
 from aircraft.errors import FlightError
 from aircraft.state import AircraftState, Command
-from sim.flight.outcomes import Limits, OutcomeMonitor
+from sim.flight.outcomes import LANDED, Limits, OutcomeMonitor
 from sim.flight.record import RECORD_STEP, Event, Flight
+from sim.flight.rollout import roll_out
 
 MONITORED = 10  # records between two looks of the monitor, which looks at every one close to the ground
 LOW = 15.0  # m
@@ -34,8 +35,9 @@ def fly(
     """Fly one flight to its end.
 
     ``vehicle`` and ``autopilot`` are started here and stepped in turn: the autopilot sees the state, the vehicle flies
-    the command. With a ``navigator`` the autopilot sees the position estimated by a tracker instead of the true one. A
-    flight that diverges is an outcome with its time, never an exception. ``gate_height`` (m) goes into the record.
+    the command; what has landed rolls out. With a ``navigator`` the autopilot sees the position estimated by a tracker
+    instead of the true one. A flight that diverges is an outcome with its time, never an exception. ``gate_height`` (m)
+    goes into the record.
     """
     body = vehicle.begin(initial, wind)
     state = vehicle.read(body)
@@ -85,7 +87,10 @@ def fly(
                     sight, seen = navigator.step(sight, before, state)
             except FlightError as error:
                 verdict = verdict or ("diverged", str(error))
-    outcome, reason = verdict
+        outcome, reason = verdict
+        rollout = None
+        if outcome == LANDED and state is not states[-1]:  # else the model gave up as it landed
+            rollout = roll_out(vehicle, body, autopilot.route, pilot.leg, limits.runway, gate_height)
     events.append(Event(states[-1].time, outcome, reason))
     return Flight(
         autopilot.route,
@@ -98,6 +103,7 @@ def fly(
         outcome,
         reason,
         gate_height,
+        rollout,
     )
 
 

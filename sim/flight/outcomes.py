@@ -18,6 +18,7 @@ from aircraft.state import (
 )
 from autopilot.route import Route
 
+LANDED = "landed"  # the outcome after which an aircraft rolls out
 LONGEST_FLIGHT = 1800.0  # s
 TOUCHDOWN_BOX = (60.0, 823.0)  # m past the threshold [CS AWO.A.ALS.106, from memory]
 TOUCHDOWN_ASIDE = 21.0  # m off the centreline, of the same box: no scenario knows how wide its runway is
@@ -134,7 +135,7 @@ class OutcomeMonitor:
         told = ", ".join(f"{figure}, {limit}" if beyond else figure for figure, limit, beyond in figures)
         if sunk or not main_wheel_first(first) or any(beyond for _, _, beyond in figures):
             return "ground", f"touched down {told}"
-        return ("landed", f"landed {told}") if state.main_wheels >= 1.0 else None
+        return (LANDED, f"landed {told}") if state.main_wheels >= 1.0 else None
 
     def _envelope(self, state: AircraftState) -> tuple[str, str] | None:
         load = math.hypot(state.specific_force_right, state.specific_force_down) / STANDARD_GRAVITY

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -36,6 +37,23 @@ class Flight:
     outcome: str
     reason: str
     gate_height: float | None = None  # m; at and below, the approach must be stabilised; None = no gate was flown
+    rollout: Flight | None = None  # from the landing to the stop; None = there was none
+
+    @property
+    def whole(self) -> Flight:
+        """The flight with its roll-out as one record; the outcome stays that of the flight."""
+        more = self.rollout
+        if more is None:
+            return self
+        return dataclasses.replace(
+            self,
+            state=AircraftState(*map(_joined, self.state, more.state)),
+            command=Command(*map(_joined, self.command, more.command)),
+            leg=np.concatenate((self.leg, more.leg)),
+            phase=np.concatenate((self.phase, more.phase)),
+            events=(*self.events, *more.events),
+            rollout=None,
+        )
 
     @property
     def time(self) -> np.ndarray:
@@ -66,6 +84,10 @@ class Flight:
         if "gate" in wanted and self.gate_height is not None:
             flown |= self.during("glide") & (self.state.height <= self.gate_height)
         return flown
+
+
+def _joined(first: Any, second: Any) -> np.ndarray:
+    return np.concatenate((first, second))
 
 
 def runs(values: Any) -> list[tuple[int, int]]:

@@ -16,10 +16,11 @@ from aircraft.errors import TrimError
 from aircraft.linearise import linearise
 from aircraft.point_mass import PointMass, PointMassState
 from aircraft.runway import Runway
-from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
+from aircraft.state import STANDARD_GRAVITY, AircraftState, Command, Controls, WheelControls
 from aircraft.trim import trim
-from autopilot.design import Designed, OperatingPoint, design, lateral_law
+from autopilot.design import SCHEDULED, Designed, OperatingPoint, design, lateral_law
 from autopilot.inner_loops import InnerLoops, LoopState
+from autopilot.rollout import Rollout
 from autopilot.route_loop import RouteLoop, lag_loop, route_loop, turning
 from autopilot.swing_margin import steadied
 
@@ -79,6 +80,14 @@ class Vehicle(Protocol):
         """What sensors and autopilot see."""
         ...
 
+    def rollout(self, state: Any) -> Rollout | None:
+        """What brings it to a stop after a landing; None = it has no wheels to roll on."""
+        ...
+
+    def roll(self, state: Any, controls: Controls, wheels: WheelControls, dt: float) -> Any:
+        """State ``dt`` seconds later on the wheels; only where there is a ``rollout``."""
+        ...
+
 
 class JsbsimBody:
     """A flight in progress: the airframe, its loops and what was last read."""
@@ -129,6 +138,27 @@ class JsbsimVehicle:
     def read(self, state: JsbsimBody) -> AircraftState:
         """What was read at the end of the last step."""
         return state.state
+
+    def rollout(self, state: JsbsimBody) -> Rollout:
+        """Steering by the geometry of the wheels, rudder by the inner loops at the airspeed now."""
+        data, flown = state.airframe.data, state.state
+        lateral = state.inner_loops.lookup(flown.equivalent_airspeed**-2.0, flown.flaps).lateral
+        gains = dict(zip(SCHEDULED[-len(lateral) :], lateral, strict=True))
+        return Rollout(
+            data.wheelbase,
+            data.wheel_track,
+            data.steering_limit,
+            gains["rudder_per_sideslip"],
+            gains["rudder_yaw_rate"],
+        )
+
+    def roll(self, state: JsbsimBody, controls: Controls, wheels: WheelControls, dt: float) -> JsbsimBody:
+        """Fly ``dt`` seconds with these controls, without the inner loops."""
+        airframe = state.airframe
+        airframe.set_wheels(wheels)
+        airframe.step(controls, round(dt * airframe.rate), state.wind)
+        state.state = airframe.read()
+        return state
 
 
 def _into_the_wind(initial: Initial, wind: Wind | None) -> tuple[tuple[float, float, float], float]:
@@ -268,6 +298,13 @@ class PointMassVehicle:
     def read(self, state: tuple[PointMassState, Wind | None]) -> AircraftState:
         """What sensors and autopilot see."""
         return self.body.read(state[0])
+
+    def rollout(self, state: tuple[PointMassState, Wind | None]) -> None:
+        """A point has no wheels."""
+
+    def roll(self, state: Any, controls: Controls, wheels: WheelControls, dt: float) -> Any:
+        """Never asked of a vehicle without a roll-out."""
+        raise NotImplementedError("a point mass does not roll")
 
 
 def designed_point_mass(

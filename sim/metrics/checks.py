@@ -14,6 +14,7 @@ from aircraft.units import SUFFIXES
 from autopilot.approach import PHASES
 from sim.errors import did_you_mean
 from sim.flight.record import RECORD_STEP, Flight
+from sim.flight.rollout import ROLLOUT
 from sim.metrics import signals, table
 from sim.scenario.tables import Check, Runway
 
@@ -146,6 +147,8 @@ def tracker_figures(name: str, figures: dict[str, Any]) -> list[str]:
 
 
 def _signal(check: Check, signal: signals.Signal, flight: Flight, runway: Runway) -> dict[str, Any]:
+    if ROLLOUT in ((check.during,) if isinstance(check.during, str) else check.during):
+        flight = flight.whole  # everything else ends with the landing
     values = signal.of(flight, runway)
     if signal.magnitude and check.min is None:
         values = np.abs(values)

@@ -11,6 +11,7 @@ import numpy as np
 from aircraft.state import MAIN_WHEEL, STANDARD_GRAVITY, main_wheel_first
 from autopilot.landing import SCREEN_HEIGHT
 from sim.flight.record import RECORD_STEP, Flight
+from sim.flight.rollout import STOPPED
 from sim.metrics.signals import bank_rate, crab, height_error
 from sim.scenario.tables import Runway
 from tracking.measurement import wrap
@@ -213,6 +214,40 @@ def touchdown_track_crab(flight: Flight, context: Context) -> float | None:
     """Heading less the ground track's at the touchdown, deg."""
     down = touchdown(flight, context.runway)
     return None if down is None else float(np.degrees(crab(flight)[down.before]))
+
+
+class RolledOut(NamedTuple):
+    """From the first contact to the stop; what asks for a stop is None where the aircraft did not come to one."""
+
+    distance: float | None  # m, along the runway
+    time: float | None  # s
+    deceleration: float | None  # m/s2, mean over the time
+    cross_track: float  # m, the greatest distance from the centreline on either side
+
+
+def rolled_out(flight: Flight, runway: Runway) -> RolledOut | None:
+    """The roll-out of a flight; None where there was none."""
+    down = touchdown(flight, runway)
+    if down is None or flight.rollout is None:
+        return None
+    s = flight.whole.state
+    past, across = runway.from_local(s.north, s.east)
+    farthest = float(np.abs(across[down.before + 1 :]).max())
+    if flight.rollout.outcome != STOPPED:
+        return RolledOut(None, None, None, farthest)
+    time = float(s.time[-1] - down.time)
+    slowed = s.ground_speed[down.before + 1] - s.ground_speed[-1]
+    return RolledOut(float(past[-1] - down.past_threshold), time, float(slowed / time), farthest)
+
+
+def in_rollout(value: Callable[[RolledOut], float | None]) -> Callable[[Flight, Context], float | None]:
+    """A figure of the roll-out."""
+
+    def of(flight: Flight, context: Context) -> float | None:
+        rolled = rolled_out(flight, context.runway)
+        return None if rolled is None else value(rolled)
+
+    return of
 
 
 def of_navigation(value: Callable[[Navigation], float | None]) -> Callable[[Flight, Context], float | None]:

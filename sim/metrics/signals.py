@@ -21,7 +21,7 @@ def height_error(flight: Flight, runway: Runway) -> np.ndarray:
     past, _ = runway.from_local(state.north, state.east)
     glide = (runway.aiming_point - past) * np.tan(runway.glide_path)
     wanted = np.where(flight.during("glide"), glide, wanted)
-    wanted = np.where(flight.during(("flare", "ground", "go_around")), np.nan, wanted)
+    wanted = np.where(flight.during(("flare", "ground", "go_around", "rollout")), np.nan, wanted)
     return np.asarray(state.height - wanted)
 
 

@@ -25,11 +25,17 @@ class SensorRecord(NamedTuple):
     R: np.ndarray  # (k, m, m), or (k, m, m, draws) where the accuracy depends on the measured place
     candidates: np.ndarray | None = None  # (k, c, m, draws) plots with the false ones, of a sensor with clutter
 
+    def until(self, time: float) -> SensorRecord:
+        """The looks that were true at ``time`` (s) or before."""
+        kept = self.time <= time
+        candidates = None if self.candidates is None else self.candidates[kept]
+        return SensorRecord(self.channels, self.time[kept], self.arrival[kept], self.z[kept], self.R[kept], candidates)
+
 
 def observe(
     flight: Flight, sensors: dict[str, Any], seed: int, number: int = 0, draws: int = 1
 ) -> dict[str, SensorRecord]:
-    """What every sensor measures along a flight, ``draws`` times with independent noise.
+    """What every sensor measures along a flight and its roll-out, ``draws`` times with independent noise.
 
     Raises ``ScenarioError`` for a sensor that does not keep its contract.
     """
@@ -37,7 +43,7 @@ def observe(
 
 
 def _watch(flight: Flight, name: str, sensor: Any, streams: Streams) -> SensorRecord:
-    records = [AircraftState(*row) for row in np.column_stack(flight.state).tolist()]
+    records = [AircraftState(*row) for row in np.column_stack(flight.whole.state).tolist()]
     looks: list[Look] = []
     try:
         state = ask(sensor, "begin", records[0].time, streams)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.estimation.tracking_run import Tracked
+from sim.estimation.tracking_run import Tracked, joined
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
 from sim.observation.sensor import QUANTITIES, quantity_of
@@ -64,7 +64,7 @@ def track_arrays(tracks: dict[str, Tracked]) -> dict[str, np.ndarray]:
     """Estimates of all draws in single precision (a millimetre), the whole covariance of draw 0."""
     arrays: dict[str, np.ndarray] = {}
     for name, one in tracks.items():
-        track = one.track
+        track = one.track if one.rollout is None else joined(one.track, one.rollout)
         cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
         with np.errstate(invalid="ignore"):  # a lost track is a result
             sigma = np.sqrt(np.einsum("kiin->kin", cov))

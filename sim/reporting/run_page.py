@@ -134,7 +134,7 @@ def _fitting(charts: list[Chart], room: int) -> list[Chart]:
 
 def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first: bool) -> dict[str, Any]:
     """One flight; ``metrics`` with its own figures in the places of those of the run."""
-    flight, trackers, tracked = seen.flight, seen.trackers, seen.tracked
+    flight, whole, trackers, tracked = seen.flight, seen.flight.whole, seen.trackers, seen.tracked
     flight_charts = current().later(charts, flight, scenario, law)
     modes = {
         name: mode_names(one.tracker, one.track.model_probabilities.shape[1])
@@ -145,13 +145,14 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
     believing = {name: tracked[name] for name in modes}
     beliefs = current().later(belief_charts, scenario, flight, trackers, believing, modes, alert)
     shown = shown_trackers(scenario, tracked)
-    errors = error_charts(scenario, flight, trackers, shown, seen.records)
+    airborne = {name: record.until(float(flight.time[-1])) for name, record in seen.records.items()}
+    errors = error_charts(scenario, flight, trackers, shown, airborne)
     return {
         **first_screen(scenario, flight, metrics, shown, seen.number),
         "conformance": conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
-        "replay": replay(flight, scenario, shown, seen.records) if is_first else None,
-        "charts": [*flight_charts(), *measurement_charts(flight, scenario.sensors, seen.records)],
-        "events": event_rows(flight),
+        "replay": replay(whole, scenario, shown, seen.records) if is_first else None,
+        "charts": [*flight_charts(), *measurement_charts(whole, scenario.sensors, seen.records)],
+        "events": event_rows(whole),
         "outcome": words(seen.figures["outcome"]),
         "reason": first_clause(flight.reason),
         "last_state": last_state(flight),

@@ -7,6 +7,7 @@ counts as absent. The cache is optional: on a full disk flights are not kept, an
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import functools
 import hashlib
 import io
@@ -84,18 +85,10 @@ def load(cache: Path, name: str, prepared: Prepared) -> Flight | None:
             told = json.loads(str(arrays["told"]))
             if told["name"] != name:
                 raise ValueError("another flight")
-            found = Flight(
-                prepared.route,
-                AircraftState(*arrays["state"].T),
-                Command(*arrays["command"].T),
-                arrays["leg"],
-                arrays["phase"],
-                tuple(told["phases"]),
-                tuple(Event(*event) for event in told["events"]),
-                told["outcome"],
-                told["reason"],
-                prepared.gate_height,
-            )
+            found = _unpacked(prepared, arrays, told, "")
+            if told["rollout"] is not None:
+                rollout = _unpacked(prepared, arrays, told["rollout"], "rollout_")
+                found = dataclasses.replace(found, rollout=rollout)
         os.utime(path)  # still of use
     except FileNotFoundError:
         return None
@@ -113,22 +106,11 @@ def _parted(content: bytes) -> tuple[bytes, bytes]:
 
 def store(cache: Path, name: str, flight: Flight) -> None:
     """Keep a flight, where there is a cache with room for it."""
-    told = {
-        "name": name,
-        "phases": flight.phases,
-        "events": flight.events,
-        "outcome": flight.outcome,
-        "reason": flight.reason,
-    }
+    rollout = flight.rollout
+    told = {"name": name, **_told(flight), "rollout": None if rollout is None else _told(rollout)}
+    arrays = _arrays(flight, "") | ({} if rollout is None else _arrays(rollout, "rollout_"))
     buffer = io.BytesIO()
-    np.savez(
-        buffer,
-        state=_as_recorded(flight.state),
-        command=_as_recorded(flight.command),
-        leg=flight.leg,
-        phase=flight.phase,
-        told=np.array(json.dumps(told)),
-    )
+    np.savez(buffer, told=np.array(json.dumps(told)), **arrays)
     payload = buffer.getvalue()
     partial = cache / f".{name}.{os.getpid()}.partial"
     try:
@@ -139,6 +121,37 @@ def store(cache: Path, name: str, flight: Flight) -> None:
     except OSError:
         with contextlib.suppress(OSError):
             partial.unlink()
+
+
+def _told(flight: Flight) -> dict[str, Any]:
+    """What of a record is words."""
+    return {"phases": flight.phases, "events": flight.events, "outcome": flight.outcome, "reason": flight.reason}
+
+
+def _arrays(flight: Flight, prefix: str) -> dict[str, Any]:
+    """What of a record is numbers."""
+    return {
+        f"{prefix}state": _as_recorded(flight.state),
+        f"{prefix}command": _as_recorded(flight.command),
+        f"{prefix}leg": flight.leg,
+        f"{prefix}phase": flight.phase,
+    }
+
+
+def _unpacked(prepared: Prepared, arrays: Any, told: dict[str, Any], prefix: str) -> Flight:
+    """The record of these words and numbers."""
+    return Flight(
+        prepared.route,
+        AircraftState(*arrays[f"{prefix}state"].T),
+        Command(*arrays[f"{prefix}command"].T),
+        arrays[f"{prefix}leg"],
+        arrays[f"{prefix}phase"],
+        tuple(told["phases"]),
+        tuple(Event(*event) for event in told["events"]),
+        told["outcome"],
+        told["reason"],
+        prepared.gate_height,
+    )
 
 
 def _as_recorded(columns: Any) -> np.ndarray:

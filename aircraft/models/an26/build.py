@@ -76,6 +76,7 @@ FACTS = {
     "nose_wheel": Fact(2.42, "cross-check: An-24; m behind the nose"),
     "main_wheels": Fact(10.27, "cross-check: An-24; m behind the nose"),
     "wheel_track": Fact(7.9, "public; m"),
+    "steering": Fact(10.0, "memory: of the nose wheel from the pedals, in take-off and landing; deg"),
     "wheel_depth": Fact(2.45, "memory: extended wheels below the centre of gravity; m"),
     "engine_x": Fact(5.94, "cross-check: An-24; m behind the nose"),
     "engine_y": Fact(3.95, "cross-check: An-24; m"),
@@ -452,10 +453,13 @@ def structure() -> str:
     def place(name: str, x: float, y: float = 0.0, z: float = 0.0) -> str:
         return f'<location name="{name}" unit="M"><x>{x:.6g}</x><y>{y:.6g}</y><z>{z:.6g}</z></location>'
 
-    def contact(kind: str, name: str, x: float, y: float, z: float, spring: float, damping: float) -> str:
+    def contact(
+        kind: str, name: str, x: float, y: float, z: float, spring: float, damping: float,
+        brakes: str = "NONE", steering: float = 0.0,
+    ) -> str:  # fmt: skip
         place_of = f'<location unit="M"><x>{x:.6g}</x><y>{y:.6g}</y><z>{z:.6g}</z></location>'
-        wheel = '<rolling_friction>0.02</rolling_friction><max_steer unit="DEG">0</max_steer>'
-        retract = "<brake_group>NONE</brake_group><retractable>1</retractable>"
+        wheel = f'<rolling_friction>0.02</rolling_friction><max_steer unit="DEG">{steering:g}</max_steer>'
+        retract = f"<brake_group>{brakes}</brake_group><retractable>1</retractable>"
         return (
             f'<contact type="{kind}" name="{name}">{place_of}<static_friction>0.8</static_friction>'
             f"<dynamic_friction>0.5</dynamic_friction>{wheel if kind == 'BOGEY' else ''}"
@@ -465,9 +469,9 @@ def structure() -> str:
 
     half_track, depth = fact("wheel_track") / 2.0, fact("wheel_depth")
     contacts = (
-        contact("BOGEY", "nose", fact("nose_wheel"), 0.0, -depth, 130e3, 30e3)
-        + contact("BOGEY", "left", fact("main_wheels"), -half_track, -depth, 735e3, 80e3)
-        + contact("BOGEY", "right", fact("main_wheels"), half_track, -depth, 735e3, 80e3)
+        contact("BOGEY", "nose", fact("nose_wheel"), 0.0, -depth, 130e3, 30e3, steering=fact("steering"))
+        + contact("BOGEY", "left", fact("main_wheels"), -half_track, -depth, 735e3, 80e3, "LEFT")
+        + contact("BOGEY", "right", fact("main_wheels"), half_track, -depth, 735e3, 80e3, "RIGHT")
         + contact("STRUCTURE", "tail", 20.0, 0.0, -1.0, 500e3, 50e3)
         + contact("STRUCTURE", "belly", centre, 0.0, -1.6, 1e6, 100e3)
         + contact("STRUCTURE", "left tip", centre, -fact("span") / 2.0, 0.6, 200e3, 20e3)

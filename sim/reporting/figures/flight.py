@@ -25,7 +25,7 @@ REGIONS = (
 
 def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
     """All figures of a flight that has something to show in them."""
-    bank_limit = scenario.autopilot.bank_limit
+    bank_limit, whole = scenario.autopilot.bank_limit, flight.whole
     drawn: list[Chart] = []
 
     def add(title: str, figure: Any, caption: str) -> None:
@@ -34,11 +34,11 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
     with style.drawing(), np.errstate(invalid="ignore"):
         add(
             "Plan view",
-            plan_view(flight, scenario.runway, scenario.wind.steady, scenario.wind.events, scenario.sensors),
+            plan_view(whole, scenario.runway, scenario.wind.steady, scenario.wind.events, scenario.sensors),
             "Equal scales; turned so that the final course runs to the right, north as the arrow shows. The runway's "
             "length is drawn, not modelled. Dotted: what a sensor covers; a cross is its antenna.",
         )
-        add("Vertical profile", vertical_profile(flight, scenario.runway), "Heights are exaggerated against distances.")
+        add("Vertical profile", vertical_profile(whole, scenario.runway), "Heights are exaggerated against distances.")
         touchdown = touchdown_view(flight, scenario.runway)
         if touchdown is not None:
             add(
@@ -59,11 +59,11 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
         )
         add(
             "Speed and configuration",
-            speed_history(flight),
+            speed_history(whole),
             "True airspeed against its schedule, and the equivalent airspeed, which the wing feels and an indicator "
             "shows; flaps and gear as they moved.",
         )
-        airframe = airframe_history(flight)
+        airframe = airframe_history(whole)
         if airframe is not None:
             add(
                 "Airframe",

@@ -41,6 +41,7 @@ PHASE_COLOURS = {
     "flare": BLACK,
     "ground": GREY,
     "go_around": VERMILION,
+    "rollout": ORANGE,
 }
 
 _STYLE: dict[Any, object] = {  # by the keys of matplotlib, which not all of its versions type

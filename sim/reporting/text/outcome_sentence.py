@@ -24,8 +24,9 @@ def what_happened(flight: Flight, figures: dict[str, Any], checks: list[dict[str
 
 
 def how_it_ended(flight: Flight, figures: dict[str, Any]) -> str:
-    """When the flight ended, where and how it touched down; without a full stop."""
-    return f"After {duration(figures['duration_s'])} {_ending(flight, figures.get('touchdown'))}"
+    """When the flight ended, where and how it touched down and rolled out; without a full stop."""
+    ending = _ending(flight, figures.get("touchdown")) + _rollout(flight, figures.get("rollout"))
+    return f"After {duration(figures['duration_s'])} {ending}"
 
 
 def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
@@ -46,6 +47,15 @@ def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
     if reason and not reason.startswith(REPEATING):
         return f"{told} ({reason})"
     return told + _beside_its_leg(flight)
+
+
+def _rollout(flight: Flight, rollout: dict[str, float] | None) -> str:
+    """Where it came to a stop after a landing, or what happened instead; nothing where there was no roll-out."""
+    if flight.rollout is None:
+        return ""
+    if not rollout or rollout["distance_m"] is None:
+        return f"; in the roll-out it was not brought to a stop on the runway ({first_clause(flight.rollout.reason)})"
+    return f" and came to a stop {rollout['distance_m']:.0f} m later"
 
 
 def _beside_its_leg(flight: Flight) -> str:

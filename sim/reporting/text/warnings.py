@@ -8,6 +8,7 @@ import numpy as np
 
 from autopilot.landing import REFERENCE_MARGIN
 from sim.flight.record import Flight
+from sim.flight.rollout import STOPPED
 from sim.observation.record import SensorRecord
 
 CLOSE = 50.0  # m from an antenna: there the noise of a range is a good part of it, and its angles mean little
@@ -31,6 +32,9 @@ def warnings(
         if slowest is not None and slowest < REFERENCE_MARGIN
         else None
     ]
+    rollout = flight.rollout
+    if rollout is not None and rollout.outcome != STOPPED:
+        found.append(f"the roll-out after the landing was not a stop on the runway: {rollout.reason}")
     found += [_sensor(flight, name, sensors[name], record) for name, record in records.items()]
     found += [
         f"tracker '{name}' got no measurement of the aircraft: it has no figures"
