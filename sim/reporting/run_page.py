@@ -134,7 +134,7 @@ def _fitting(charts: list[Chart], room: int) -> list[Chart]:
 
 def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first: bool) -> dict[str, Any]:
     """One flight; ``metrics`` with its own figures in the places of those of the run."""
-    flight, trackers, tracked = seen.flight, seen.trackers, seen.tracked
+    flight, whole, trackers, tracked = seen.flight, seen.flight.whole, seen.trackers, seen.tracked
     flight_charts = current().later(charts, flight, scenario, law)
     modes = {
         name: mode_names(one.tracker, one.track.model_probabilities.shape[1])
