@@ -40,7 +40,7 @@ STATE = (  # in the order of AircraftState, up to and including sideslip
     Property("aero/alpha-rad", 1.0, "angle of attack"),
     Property("aero/beta-rad", 1.0, "sideslip"),
 )
-FORCES = (  # everything but weight; the friction of the wheels is solved later in the frame and not in it
+FORCES = (  # everything but weight; the friction of the wheels is in it, a frame late
     Property("forces/fbx-total-lbs", POUND_PER_SLUG, "force forward, over the mass in slugs"),
     Property("forces/fby-total-lbs", POUND_PER_SLUG, "force right"),
     Property("forces/fbz-total-lbs", POUND_PER_SLUG, "force down"),

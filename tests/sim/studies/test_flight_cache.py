@@ -183,14 +183,8 @@ def test_a_flight_comes_back_as_it_was_left(tmp_path):
     np.testing.assert_array_equal(flight.phase, again.phase)
     rest = ("route", "phases", "events", "outcome", "reason", "gate_height")
     assert flight.rollout is again.rollout is None  # tests of the roll-out look at one that there is
-    assert set(vars(flight)) == {
-        "state",
-        "command",
-        "leg",
-        "phase",
-        "rollout",
-        *rest,
-    }  # whatever a flight has is looked at
+    parts = {"state", "command", "leg", "phase", "rollout"}
+    assert set(vars(flight)) == {*parts, *rest}  # whatever a flight has is looked at
     assert [getattr(flight, name) for name in rest] == [getattr(again, name) for name in rest]
     low = SimpleNamespace(route=ready.route, gate_height=150.0)
     assert flight_cache.load(tmp_path, "name", low).gate_height == 150.0
