@@ -30,7 +30,7 @@ from sim.scenario.tables import Check
 from sim.studies import flight_cache
 
 AUTOMATIC = 8.2  # m, 27 ft: how far an automatic roll-out may stray to either side [FAA AC 20-57A, from memory]
-SHORT = {"start.phase": "final", "start.distance_m": 3000.0, "draws": 2}
+SHORT = {"start.phase": "final", "start.distance_m": 2000.0, "draws": 2}
 
 
 @cache
@@ -112,7 +112,7 @@ def test_checks_see_the_rollout_only_where_they_name_it():
 
 
 def test_trackers_end_with_the_flight_and_have_the_rollout_as_a_phase():
-    prepared, flight = landed("c172x")
+    prepared, flight = landed("two_radars")
     with_it, without = (evaluate(prepared, one) for one in (flight, dataclasses.replace(flight, rollout=None)))
     seen = 0
     for name, tracker in with_it.trackers.items():
