@@ -15,7 +15,6 @@ from sim.cli.text_table import table
 from sim.estimation.setup import check
 from sim.flight import swings
 from sim.flight.departures import in_words
-from sim.flight.linear_model import has_route_loop, scenario_loop
 from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared, prepare
 from sim.flight.weather import words
 from sim.metrics import windshear
@@ -129,12 +128,12 @@ def _law(prepared: Prepared) -> str:
     """The law's own description, and for a route law that flies an aircraft the margins of its loop."""
     text = f"{prepared.law.explain()}; bank loop {prepared.designed.bank_bandwidth:.2f} rad/s"
     route_law = LateralNavigation.of(prepared.law)
-    return f"{text}\n{_route_loop(prepared, route_law)}" if route_law and has_route_loop(prepared) else text
+    return f"{text}\n{_route_loop(prepared, route_law)}" if route_law and prepared.has_route_loop else text
 
 
 def _route_loop(prepared: Prepared, law: LateralNavigation) -> str:
     """Margins of the loop that the law closes on its first leg, and the oscillation that its limits can sustain."""
-    loop = run_isolated(prepared.scenario, MODEL_TIME_LIMIT, scenario_loop, prepared)
+    loop = run_isolated(prepared.scenario, MODEL_TIME_LIMIT, prepared.route_loop)
     found, linear = margins(loop, law), linear_onset(loop, law.bank_limit)
     limited = limited_loop(loop, law.bank_limit, prepared.autopilot.roll_rate_limit)
     words = swings.in_words(limited, law) or "none, every oscillation fades"

@@ -3,6 +3,6 @@
 ``vehicles`` are what flies, ``weather`` is the air, ``departures`` what a crew does instead of the law, ``airspeeds``
 the margins of the speeds over the stall, ``gains`` the design of the loops, made or carried by a file; ``preparation``
 joins them with route, law and trim. ``loop`` flies, ``outcomes`` says how it ends, ``record`` is the ``Flight``,
-``interpolation`` the motion between its instants. ``linear_model`` is the route loop for margins and limit cycles,
+``interpolation`` the motion between its instants.
 ``swings`` what theory says of them. ``truths`` are flights by formula, one file for each path of the papers.
 """

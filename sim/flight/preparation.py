@@ -28,7 +28,7 @@ from autopilot.route import Leg, Route, pattern_route
 from autopilot.route_loop import RouteLoop, lag_loop
 from autopilot.stabilised_gate import StabilisedGate
 from autopilot.swing_margin import shallower
-from sim.errors import did_you_mean
+from sim.errors import ScenarioError, did_you_mean
 from sim.flight import departures, swings
 from sim.flight.airspeeds import (
     MANOEUVRE_MARGIN,
@@ -103,6 +103,21 @@ class Prepared:
         """The law that flies it."""
         law: Mode = self.autopilot.law
         return law
+
+    @property
+    def has_route_loop(self) -> bool:
+        """Whether a route law flies an aircraft that has inner loops."""
+        return LateralNavigation.of(self.law) is not None and isinstance(self.vehicle, JsbsimVehicle)
+
+    def route_loop(self) -> RouteLoop:
+        """The linear loop, for margins and limit cycles, that flies the leg on which the flight begins.
+
+        Raises ``ScenarioError`` where there is none.
+        """
+        if not self.has_route_loop:
+            wanted = "margins need a JSBSim aircraft under a route law, such as 'lateral_navigation'"
+            raise ScenarioError(f"{self.scenario.name}: {wanted}")
+        return _loop(self.scenario, self.designed, self.route.legs[self.initial.leg], self.autopilot.flaps)
 
     @property
     def alternative_laws(self) -> tuple[Mode, ...]:

@@ -167,12 +167,11 @@ def _limited_loop(scenario: Scenario, bank: float) -> LimitedLoop:
 
 @functools.lru_cache(maxsize=64)
 def _limited_loop_of(tables: str, parts: tuple[Part, ...]) -> LimitedLoop:
-    from sim.flight.linear_model import scenario_loop
     from sim.flight.preparation import MODEL_TIME_LIMIT, prepare
     from sim.workers.isolation import run_isolated
 
     scenario = read({key: value for key, value in json.loads(tables).items() if value is not None}, plugins=parts)
-    loop = run_isolated(scenario, MODEL_TIME_LIMIT, scenario_loop, prepare(scenario))
+    loop = run_isolated(scenario, MODEL_TIME_LIMIT, prepare(scenario).route_loop)
     return limited_loop(loop, scenario.autopilot.bank_limit, scenario.autopilot.roll_rate_limit)
 
 

@@ -11,7 +11,6 @@ from autopilot.design import law_of_frequency
 from autopilot.limit_cycles import caught, least_offset, limited_loop, onset
 from autopilot.route_loop import linear_onset
 from sim.experiment import fly
-from sim.flight.linear_model import scenario_loop
 from sim.flight.preparation import prepare
 from sim.metrics.flight import flight_metrics
 from sim.scenario.reading import read
@@ -36,7 +35,7 @@ AIRCRAFT = {
 @cache
 def loop_of(aircraft, bank):
     limit = ("autopilot.bank_limit_deg", bank)
-    return scenario_loop(prepare(read("limit_cycle", dict((*AIRCRAFT[aircraft], limit)))))
+    return prepare(read("limit_cycle", dict((*AIRCRAFT[aircraft], limit)))).route_loop()
 
 
 @cache

@@ -14,7 +14,6 @@ import sim
 from autopilot.route_loop import linear_onset
 from sim.cli.explain import explain
 from sim.errors import ScenarioError
-from sim.flight.linear_model import scenario_loop
 from sim.flight.preparation import prepare
 from sim.metrics.figures import bank_cycle
 from sim.scenario.axes import cells
@@ -124,7 +123,7 @@ def test_the_cycle_that_theory_predicts_is_flown():
 def test_theory_of_the_gain_map_lies_between_its_limits():
     scenario = read("gain_map")
     margin, cycles = study_theory.gain_lines(scenario, np.array([0.1, 0.5]), np.array([2.0, 8.0, 20.0]))
-    loop = scenario_loop(prepare(read("gain_map", {"autopilot.bank_limit_deg": 8.0})))
+    loop = prepare(read("gain_map", {"autopilot.bank_limit_deg": 8.0})).route_loop()
     assert margin.x[1] == pytest.approx(linear_onset(loop, math.radians(8.0)) / loop.bandwidth)
     assert cycles.x[0] == pytest.approx(margin.x[0], rel=1e-3)  # 2 deg are not worth a roll-rate limit of 5 deg/s
     assert margin.x[1] > cycles.x[1] > cycles.x[2]
@@ -137,7 +136,7 @@ def test_theory_of_the_gain_map_lies_between_its_limits():
 
 def test_a_point_mass_has_no_route_loop():
     with pytest.raises(ScenarioError, match="margins need a JSBSim aircraft"):
-        scenario_loop(prepare(read(LINE)))
+        prepare(read(LINE)).route_loop()
     assert "sampled loop" not in explain(read(LINE))
 
 

@@ -200,7 +200,7 @@ def test_a_page_draws_further_flights_while_there_is_room(make_flight, tmp_path,
         flights = (asked.append(number) or Seen(number, flight, {}, {}, figures, {}) for number in (2, 0, 1, 3))
         write(
             tmp_path / "r.html", scenario=given, law=LAW, metrics={**metrics, "each_flight": EACH},
-            versions={}, timing={}, flights=flights,
+            versions={}, flights=flights,
         )  # fmt: skip
         text = (tmp_path / "r.html").read_text()
         return asked, Page(text), len(text)
