@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from sim.errors import ScenarioError
 from sim.estimation import assumed_height
 from sim.estimation.navigator import navigator
-from sim.estimation.setup import check
+from sim.estimation.setup import check, height_profile
 from sim.estimation.tracking_run import Tracked, track
 from sim.files import claim, plain, refuse_foreign, staged, write_json, write_npz
 from sim.flight import loop as flights
@@ -412,14 +412,15 @@ def _seen(result: Result) -> Iterator[Seen]:
     shown = flown[:SHOWN] or [result.number]
     if result.number not in shown:
         shown[-1] = result.number
+    chart = height_profile(result.prepared)
     for number in shown:
         if number == result.number:
             trackers = each[number]["metrics"].get("trackers", {}) if each else result.metrics["trackers"]
-            yield Seen(number, result.flight, result.records, result.tracks, result.metrics["flight"], trackers)
+            yield Seen(number, result.flight, result.records, result.tracks, result.metrics["flight"], trackers, chart)
         else:
             flight = fly(result.prepared, number)
             found = evaluate(result.prepared, flight, number, result.own)
             if found.navigated is not None:
                 found.navigated["on_truth"] = _on_truth(result.prepared, number)
             figures = {**found.flight, "navigated": found.navigated}
-            yield Seen(number, flight, found.records, found.tracks, figures, found.trackers)
+            yield Seen(number, flight, found.records, found.tracks, figures, found.trackers, chart)

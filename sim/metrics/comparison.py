@@ -131,22 +131,9 @@ def raw(
     plots = np.full((k, 2, draws), np.nan)
     for name, sensor in sensors.items():
         rows = {c: names.index(f"{name}.{c}") for c in sensor.channels if f"{name}.{c}" in names}
-        if "north" in rows:
-            seen = z[:, [rows["north"], rows["east"]]]
-            plots = np.where(np.isnan(plots), seen, plots)
-        elif "azimuth" in rows and "range" in rows:
-            slant, bearing = z[:, rows["range"]], z[:, rows["azimuth"]] + sensor.zero_azimuth
-            north, east, up = sensor.antenna
-            if "elevation" in rows:
-                ground = slant * np.cos(z[:, rows["elevation"]])
-            elif "height" in rows:
-                ground = _on_the_ground(slant, z[:, rows["height"]] - up)
-            elif chart is not None:
-                ground = _on_the_ground(slant, _charted(chart, (north, east), slant, bearing) - up)
-            else:
-                ground = np.full_like(slant, np.nan)
-            seen = np.stack((north + ground * np.cos(bearing), east + ground * np.sin(bearing)), axis=1)
-            plots = np.where(np.isnan(plots), seen, plots)
+        place = plotted({quantity: z[:, row] for quantity, row in rows.items()}, sensor, chart)
+        if place is not None:
+            plots = np.where(np.isnan(plots), np.moveaxis(place, 0, 1), plots)
         for quantity, row in rows.items():
             error = _off(quantity, z[:, row], _exact(sensor, truth, quantity)[:, None])
             found[with_unit(f"{name}.{quantity}")] = Compared(quantity_of(quantity).factor * error[:, None], None)
@@ -155,6 +142,25 @@ def raw(
         found["position_m"] = Compared(error, None)
         found["cross_track_m"] = _across(flight, truth, error, None)
     return found
+
+
+def plotted(z: dict[str, np.ndarray], sensor: Any, chart: Charted | None) -> np.ndarray | None:
+    """(2, k, draws) m, north and east of measurements (k, draws) by quantity; None where they are no place."""
+    if "north" in z and "east" in z:
+        return np.stack((z["north"], z["east"]))
+    if "range" not in z or "azimuth" not in z:
+        return None
+    slant, bearing = z["range"], z["azimuth"] + sensor.zero_azimuth
+    north, east, up = sensor.antenna
+    if "elevation" in z:
+        ground = slant * np.cos(z["elevation"])
+    elif "height" in z:
+        ground = _on_the_ground(slant, z["height"] - up)
+    elif chart is not None:
+        ground = _on_the_ground(slant, _charted(chart, (north, east), slant, bearing) - up)
+    else:
+        return None
+    return np.stack((north + ground * np.cos(bearing), east + ground * np.sin(bearing)))
 
 
 def _on_the_ground(slant: np.ndarray, height: np.ndarray) -> np.ndarray:

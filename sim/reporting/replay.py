@@ -8,19 +8,28 @@ import numpy as np
 
 from sim.flight.interpolation import truth_at
 from sim.flight.record import Flight, runs
+from sim.metrics.comparison import plotted
 from sim.metrics.signals import height_error
 from sim.reporting.figures import style
 from sim.reporting.figures.plan_view import RUNWAY_LENGTH
 from sim.reporting.text.labels import words
 from sim.reporting.tracker_figures.error_curves import Shown
+from tracking.height_profile import Charted
 
 MOST_STATES, MOST_ESTIMATES, MOST_PLOTS = 1200, 500, 1000  # of a flight, of each tracker, of each sensor
 
 
-def replay(flight: Flight, scenario: Any, followed: list[Shown], records: dict[str, Any]) -> dict[str, Any] | None:
+def replay(
+    flight: Flight,
+    scenario: Any,
+    followed: list[Shown],
+    records: dict[str, Any],
+    chart: Charted | None = None,
+) -> dict[str, Any] | None:
     """Plain lists for the script: metres along (x) and to the right of (y) the final course; None for no time at all.
 
     Heights are above the threshold; ``flown`` is the distance over the ground, the abscissa of the vertical profile.
+    Plots of a radar that measures neither elevation nor height are shown where the ``chart`` puts them.
     """
     if len(flight.time) < 2 or not np.isfinite(flight.state.north).all():
         return None
@@ -60,7 +69,7 @@ def replay(flight: Flight, scenario: Any, followed: list[Shown], records: dict[s
             found
             for name, record in records.items()
             for some in (false_plots(record), record)
-            if some is not None and (found := _plots(flight, scenario, name, some, turn, some is not record))
+            if some is not None and (found := _plots(flight, scenario, name, some, turn, some is not record, chart))
         ],
         "trackers": [_estimates(one, turn) for one in followed],
     }
@@ -78,12 +87,18 @@ def false_plots(record: Any) -> Any | None:
 
 
 def _plots(
-    flight: Flight, scenario: Any, name: str, record: Any, turn: np.ndarray, false: bool
+    flight: Flight,
+    scenario: Any,
+    name: str,
+    record: Any,
+    turn: np.ndarray,
+    false: bool,
+    chart: Charted | None,
 ) -> dict[str, Any] | None:
     """Measured places and heights of draw 0 when they became known; None for a sensor that measures neither."""
     thin = max(1, -(-len(record.time) // MOST_PLOTS))
     some = record._replace(time=record.time[::thin], arrival=record.arrival[::thin], z=record.z[::thin])
-    place = place_of_plots(flight, scenario.sensors[name], some)
+    place = place_of_plots(scenario.sensors[name], some, chart)
     height = height_of_plots(flight, scenario.sensors[name], some)
     if place is None and height is None:
         return None
@@ -99,34 +114,26 @@ def _plots(
     }
 
 
-def place_of_plots(flight: Flight, sensor: Any, record: Any) -> np.ndarray | None:
-    """(2, k) m north, east of the measurements of draw 0; None for a sensor that measures no place.
-
-    A radar without elevation takes the height from the chart.
-    """
-    z = dict(zip(record.channels, np.moveaxis(record.z[..., 0], 1, 0), strict=True))
+def place_of_plots(sensor: Any, record: Any, chart: Charted | None) -> np.ndarray | None:
+    """(2, k) m north, east of the measurements of draw 0; None for a sensor that measures no place."""
     if not len(record.time):
         return None
-    if "north" in z:
-        return np.array((z["north"], z["east"]))
-    if "range" not in z or "azimuth" not in z:
-        return None
-    north, east, up = sensor.antenna
-    if "elevation" in z:
-        ground = z["range"] * np.cos(z["elevation"])
-    else:
-        ground = np.sqrt(np.maximum(z["range"] ** 2 - (flight.route.legs[0].height - up) ** 2, 0.0))
-    bearing = z["azimuth"] + sensor.zero_azimuth
-    return np.array((north + ground * np.cos(bearing), east + ground * np.sin(bearing)))
+    z = dict(zip(record.channels, np.moveaxis(record.z[..., :1], 1, 0), strict=True))
+    place = plotted(z, sensor, chart)
+    return None if place is None else place[..., 0]
 
 
 def height_of_plots(flight: Flight, sensor: Any, record: Any) -> np.ndarray | None:
-    """(k,) m height of the measurements of draw 0; None for a sensor without elevation.
+    """(k,) m height of the measurements of draw 0; None for a sensor on the ground that measures none.
 
     An elevation without a range is taken at the true distance.
     """
     z = dict(zip(record.channels, np.moveaxis(record.z[..., 0], 1, 0), strict=True))
-    if "elevation" not in z or not len(record.time):
+    if not len(record.time):
+        return None
+    if "range" in z and "height" in z:
+        return np.asarray(z["height"])
+    if "elevation" not in z:
         return None
     north, east, up = sensor.antenna
     if "range" in z:

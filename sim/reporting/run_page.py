@@ -40,6 +40,7 @@ from sim.reporting.tracker_figures.model_probabilities import mode_names
 from sim.scenario.toml_writer import dumps
 from sim.versions import rows
 from sim.workers.sharing import current
+from tracking.height_profile import Charted
 
 LARGEST = 2_800_000  # bytes of the figures of a page, about; a page is to stay below 3 MB
 ROOM = 200_000  # bytes, below which no further flight is worth drawing
@@ -55,6 +56,7 @@ class Seen(NamedTuple):
     tracked: dict[str, Any]  # name -> Tracked
     figures: dict[str, Any]
     trackers: dict[str, Any]
+    chart: Charted | None = None  # of the heights by which its plots are drawn
 
 
 def write(
@@ -147,11 +149,11 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
     shown = shown_trackers(scenario, tracked)
     whole, end = flight.whole, float(flight.time[-1])
     airborne = {name: record.until(end) for name, record in seen.records.items()}
-    errors = error_charts(scenario, flight, trackers, shown, airborne)
+    errors = error_charts(scenario, flight, trackers, shown, airborne, seen.chart)
     return {
         **first_screen(scenario, flight, metrics, shown, seen.number),
         "conformance": conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
-        "replay": replay(whole, scenario, shown, seen.records) if is_first else None,
+        "replay": replay(whole, scenario, shown, seen.records, seen.chart) if is_first else None,
         "charts": [*flight_charts(), *measurement_charts(whole, scenario.sensors, seen.records)],
         "events": event_rows(whole),
         "outcome": words(seen.figures["outcome"]),

@@ -25,6 +25,7 @@ from sim.reporting.tracker_figures.tracking_errors import (
     look_ahead_fan,
 )
 from tracking.conformance import Watched
+from tracking.height_profile import Charted
 
 
 def error_charts(
@@ -33,6 +34,7 @@ def error_charts(
     trackers: dict[str, Any],
     followed: list[Shown],
     records: dict[str, Any],
+    chart: Charted | None = None,
 ) -> list[Chart]:
     """How well the trackers did; ``trackers`` as in metrics.json."""
     if not followed:
@@ -81,7 +83,7 @@ def error_charts(
         )
         add(
             "Estimates in plan",
-            estimate_map(flight, scenario, followed, records),
+            estimate_map(flight, scenario, followed, records, chart),
             "Draw 0. Above the whole flight, below the last turn enlarged, with ellipses of two standard "
             "deviations here and there; dots are the plots.",
         )

@@ -14,6 +14,7 @@ from sim.reporting.replay import ellipse, false_plots, place_of_plots
 from sim.reporting.text.labels import words
 from sim.reporting.tracker_figures.error_curves import Shown
 from sim.reporting.tracker_figures.tracking_errors import LEGEND, legend
+from tracking.height_profile import Charted
 
 KM = 1e-3
 WINDOW = 4.2  # km, across the enlarged part
@@ -21,7 +22,13 @@ ELLIPSES = 7  # of each tracker in one picture
 TALLEST, LOWEST, ENLARGED = 3.6, 1.5, 3.2  # in, of the axes
 
 
-def estimate_map(flight: Flight, scenario: Any, followed: list[Shown], records: dict[str, Any]) -> Any | None:
+def estimate_map(
+    flight: Flight,
+    scenario: Any,
+    followed: list[Shown],
+    records: dict[str, Any],
+    chart: Charted | None = None,
+) -> Any | None:
     """Figure with equal axes of the whole flight and of its last turn; None where no tracker knows a place.
 
     In km from the threshold along and to the right of the final course.
@@ -37,7 +44,7 @@ def estimate_map(flight: Flight, scenario: Any, followed: list[Shown], records: 
         label: [
             turn @ place
             for name, record in seen.items()
-            if record is not None and (place := place_of_plots(flight, scenario.sensors[name], record)) is not None
+            if record is not None and (place := place_of_plots(scenario.sensors[name], record, chart)) is not None
         ]
         for label, seen in (("false plots", {n: false_plots(r) for n, r in records.items()}), ("plots", records))
     }

@@ -83,6 +83,14 @@ def test_a_flight_that_leaves_the_plan_is_told_of(descending):
     assert found.trackers["imm"]["anees"] <= 1.5
 
 
+def test_an_answer_in_hot_air_is_told_of(descending):
+    """At 45 C, 30 K above the standard, 10 % of the height lack on the screen of every radar."""
+    prepared = planned((2000, 600), sensor={"height": "mode_c"}, air={"temperature_c": 45})
+    (told,) = remarks(prepared, descending, evaluate(prepared, descending).records)
+    off = int(re.search(r"is told the height: .* answered was (\d+) m too low", told).group(1))
+    assert off == pytest.approx(30.0 / 318.0 * descending.state.height.mean(), rel=0.25)  # at the worst of its looks
+
+
 @pytest.mark.parametrize(
     ("more", "wind"), [({}, (0, 0)), ({"start": {"leg": 0, "cross_track_m": 1500}}, (0, 0)), ({}, (300, 10))]
 )

@@ -18,8 +18,10 @@ import numpy as np
 import pytest
 
 from autopilot.route import Leg, Route
+from sim.observation.record import observe
 from sim.reporting.replay import MOST_ESTIMATES, MOST_PLOTS, MOST_STATES, replay
 from sim.reporting.tracker_figures.error_curves import shown_trackers
+from tracking.height_profile import HeightProfile
 
 _trackers = runpy.run_path(str(Path(__file__).with_name("test_report_trackers.py")))  # tests are modules in no package
 followed_by, record_of, scenario, written = (
@@ -284,3 +286,17 @@ def test_in_a_browser_the_replay_moves_and_the_console_is_silent(browser):
     assert browser.value(PIXELS) != close  # a tracker that is switched off is not drawn
     assert browser.value("[...document.images].every(image => image.naturalWidth > 0)")
     assert browser.said == []
+
+
+@pytest.mark.parametrize("mode", ["none", "mode_c"])
+def test_plots_of_a_surveillance_radar_lie_where_the_chart_or_the_transponder_puts_them(make_flight, mode):
+    """Below the height of the leg: by that, a plot near the radar would be hundreds of metres off."""
+    time = np.arange(0.0, 60.0, 1 / 30)
+    flight = make_flight(time, ["final"] * len(time), north=-3000.0 + 70.0 * time, height=0 * time + 1200.0)
+    radar = {"kind": "surveillance_radar", "position_m": [0, 1500, 0], "range_sigma_m": 1e-3, "azimuth_sigma_deg": 1e-6}
+    given = scenario(sensors={"radar": {**radar, "height": mode}}, trackers={})
+    records = observe(flight, given.sensors, 1)
+    chart = HeightProfile(((-50_000.0, 0.0, 10_000.0, 0.0),), (0.0, 60_000.0), (1200.0, 1200.0))
+    (plots,) = replay(flight, given, [], records, chart)["plots"]
+    np.testing.assert_allclose(plots["y"], 0.0, atol=40.0)  # the altimetry errs by 19 m, at a slope of .8
+    np.testing.assert_allclose(plots["x"], np.interp(plots["t"], time, flight.state.north), atol=40.0)
