@@ -35,6 +35,8 @@ def remarks(prepared: Prepared, flight: Flight, records: dict[str, SensorRecord]
     for name, record in records.items():
         if "range" not in record.channels or "elevation" in record.channels or name not in used:
             continue
+        if not np.isfinite(record.z[:, record.channels.index("range")]).any():
+            continue
         cost = height_cost(flight, height_profile(prepared), scenario.sensors[name], record)
         if cost.cost.size and cost.cost.max() > TOLD:
             worst = int(cost.cost.argmax())

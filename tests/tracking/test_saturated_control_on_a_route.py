@@ -42,7 +42,7 @@ SECONDS = 224.0  # base leg, turn and the final well established
 
 
 def saturated(covariance="paper", route=BASE_TO_FINAL, law=PATTERN_LAW):
-    return SaturatedControl(law, route, PLANE, covariance=covariance)
+    return SaturatedControl(law, route, PLANE, sub_step=0.5, covariance=covariance)
 
 
 def by_phase(tracker, flown, seed):
