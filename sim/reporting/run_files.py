@@ -72,7 +72,7 @@ def track_arrays(tracks: dict[str, Tracked]) -> dict[str, np.ndarray]:
         arrays[f"{name}.channels"] = np.array(track.channels)
         arrays[f"{name}.mean"] = track.mean.astype(np.float32)
         arrays[f"{name}.sigma"] = sigma.astype(np.float32)
-        arrays[f"{name}.cov_of_draw_0"] = cov[..., 0]
+        arrays[f"{name}.cov_of_draw_0"] = cov[..., 0].copy()  # a view would keep those of all draws
         if track.model_probabilities is not None:
             arrays[f"{name}.model_probabilities"] = track.model_probabilities
     return arrays

@@ -22,6 +22,7 @@ ELEVATIONS = (0.0, 1500.0, 2500.0, 4061.0)
 WARMER = (0.0, 25.0)  # K than the standard
 SPEEDS = ("downwind_speed", "turn_speed", "approach_speed")
 WITHIN = 0.02  # of the true speed and the radius: the air between runway and pattern, and the lag of the turn
+FASTER = 1.02  # what a true speed is beside the same indicated one at 400 m
 
 
 class Flown(NamedTuple):
@@ -29,7 +30,7 @@ class Flown(NamedTuple):
 
     outcome: str
     final_over_stall: float
-    equivalent: float  # m/s, of the last 60 m of the glide path
+    equivalent: float  # m/s, on the glide path about 240 m up
     true: float
     radius: float  # m, at the full bank of the turn to final
     density: float  # kg/m3, at the runway
@@ -39,7 +40,7 @@ def tables(name: str, elevation: float, warmer: float, **aircraft: float) -> tup
     """Overrides that move a bundled pattern: its speeds as indicated ones, its lengths with the radius of its turns."""
     celsius = float(Air(elevation).temperature_at(0.0)) + warmer - FREEZING
     density = float(Air(elevation, celsius + FREEZING).density(0.0))
-    bundled, wider = read(name).route, STANDARD_DENSITY / density
+    bundled, wider = read(name).route, FASTER**2 * STANDARD_DENSITY / density
     return {
         "runway.elevation_m": elevation,
         "air.temperature_c": celsius,
@@ -59,7 +60,7 @@ def flown(name: str, elevation: float, warmer: float, **aircraft: float) -> Flow
     state = flight.state
     turning = flight.during("final_turn") & (np.abs(np.abs(np.degrees(state.bank)) - 15.0) < 0.1)
     rate = np.abs(np.gradient(np.unwrap(state.course), state.time))[turning]
-    low = flight.during("glide") & (state.height < 60.0)
+    low = flight.during("glide") & (state.height > 210.0) & (state.height < 270.0)  # below, it slows down to land
     return Flown(
         flight.outcome,
         figures["final_over_stall"],

@@ -13,7 +13,12 @@ from tracking.reference_path import SUB_STEP
 
 pytestmark = pytest.mark.acceptance
 
-KINDS, SEEDS, DRAWS = ("saturated_control", "law_ekf", "intent_imm"), (1, 2, 3), 40
+KINDS = {
+    "saturated_control": {"kind": "saturated_control"},
+    "saturated_control_jacobian": {"kind": "saturated_control", "covariance": "jacobian"},
+    "intent_imm": {"kind": "intent_imm"},
+}
+SEEDS, DRAWS = (1, 2, 3), 40
 RADARS = {"both": ["terminal", "approach"], "terminal": ["terminal"]}  # 1 s and 4 s between measurements
 FINE, SHARE = 0.25, 0.02  # s, of the RMSE
 
@@ -22,7 +27,7 @@ def test_the_default_sub_step_changes_no_error(row):
     found = {}
     for step in (FINE, 0.5, SUB_STEP):
         trackers = {
-            f"{kind}_{name}": {"kind": kind, "sensors": sensors, "sub_step_s": step}
+            f"{kind}_{name}": {**KINDS[kind], "sensors": sensors, "sub_step_s": step}
             for kind in KINDS
             for name, sensors in RADARS.items()
         }
