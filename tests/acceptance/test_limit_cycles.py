@@ -62,14 +62,21 @@ def persists_from(address, low, high, *changes):
 @pytest.mark.parametrize("aircraft", AIRCRAFT)
 @pytest.mark.parametrize("bank", [5.0, 15.0])
 def test_onset_of_the_bank_limit(row, aircraft, bank):
-    """From 5 m beside the line, roll rate free: the linear margin of the sampled loop."""
+    """From 5 m beside the line, roll rate free: the linear margin of the sampled loop.
+
+    Where theory itself says that the aileron comes to its stop in the oscillation, it is no longer linear below it.
+    """
     changes, loop = AIRCRAFT[aircraft], loop_of(aircraft, bank)
     said = linear_onset(loop, math.radians(bank)) / loop.bandwidth
     found = persists_from(SHARE, 0.2, 0.8, *changes, FREE, SHORT, (OFFSET, 5.0), ("autopilot.bank_limit_deg", bank))
     off = said / found - 1.0
-    told = f"{found:.4f} flown, {said:.4f} predicted: {100 * off:+.1f} %"
-    row(f"{aircraft}, bank limit {bank:.0f} deg, from 5 m: onset wz/wb", "within 5 %", told, abs(off) <= 0.05)
-    assert abs(off) <= 0.05
+    limited = limited_loop(loop, math.radians(bank), math.radians(FREE[1]))
+    aileron = caught(limited, law_of(limited, 1.03 * said), 5.0).aileron
+    met = abs(off) <= 0.05 or aileron >= 1.0
+    asked = "within 5 %" if aileron < 1.0 else "reported: aileron at its stop"
+    told = f"{found:.4f} flown, {said:.4f} predicted: {100 * off:+.1f} %; aileron {aileron:.2f} of full predicted"
+    row(f"{aircraft}, bank limit {bank:.0f} deg, from 5 m: onset wz/wb", asked, told, met)
+    assert met
 
 
 @pytest.mark.parametrize("over", [1.03, 1.1, 1.2, 1.4])
