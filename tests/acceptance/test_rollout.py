@@ -145,6 +145,6 @@ def test_what_it_costs(row):
     share = min(spent) / (min(times) - min(spent))
     longer = len(flight.rollout.time) / len(flight.time)
     told = f"{100 * share:.1f} % more CPU for {100 * longer:.1f} % more time"
-    row("an26_pattern: cost of the roll-out", "< 5 % of the flight", told, share < 0.05)
+    row("an26_pattern: cost of the roll-out", "as its time", told, share < 1.5 * longer)
     assert math.isfinite(share)
     assert share < 1.5 * longer  # a second on the wheels costs no more than one in the air, and half again for noise
