@@ -302,10 +302,6 @@ class PointMassVehicle:
     def rollout(self, state: tuple[PointMassState, Wind | None]) -> None:
         """A point has no wheels."""
 
-    def roll(self, state: Any, controls: Controls, wheels: WheelControls, dt: float) -> Any:
-        """Never asked of a vehicle without a roll-out."""
-        raise NotImplementedError("a point mass does not roll")
-
 
 def designed_point_mass(
     speed: float, bank_limit: float, roll_rate_limit: float, body: PointMass | None = None
