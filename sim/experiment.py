@@ -30,6 +30,7 @@ from sim.metrics.ensemble.trackers import over_flights
 from sim.metrics.ensemble.verdict import CRASHED, refuse_unfit, verdicts, worst_first
 from sim.metrics.flight import flight_metrics
 from sim.metrics.navigation import navigation_quality
+from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
 from sim.reporting.text.warnings import warnings
@@ -90,7 +91,7 @@ def _fly(prepared: Prepared, number: int) -> Flight:
         if place is None:
             raise
         raise ScenarioError(f"{scenario.name}: {place} raises {said(error)} in flight") from None
-    return with_departure_events(flight, scenario.departures)
+    return with_fault_events(with_departure_events(flight, scenario.departures), scenario.sensor_faults)
 
 
 def run(
@@ -318,7 +319,7 @@ def evaluate(prepared: Prepared, flight: Flight, number: int = 0, own: dict[str,
     scenario = prepared.scenario
     timing: dict[str, float] = {}
     with timed(timing, "observe_s"):
-        records = observe(flight, scenario.sensors, scenario.seed, number, scenario.draws)
+        records = observe(flight, scenario.sensors, scenario.seed, number, scenario.draws, scenario.sensor_faults)
     with timed(timing, "track_s"):
         tracks, trackers = track(prepared, flight, records, own or {}, number)
     name = scenario.autopilot.navigation

@@ -17,6 +17,7 @@ from sim.flight.outcomes import ROLLOUT
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics import conformance
+from sim.metrics.alarms import monitoring
 from sim.metrics.error_curves import ErrorCurves, error_curves
 from sim.metrics.tracker import TrackerErrors, plot_errors, tracker_errors, tracker_metrics
 from sim.observation.record import SensorRecord, measurements
@@ -73,7 +74,8 @@ def track(
     entries: list[Entry] = []
     for one in every.values():
         figures[one.name] = {
-            "kind": one.kind, "law_from": one.law_from, "overall": {}, "by_phase": {}, "conformance": None
+            "kind": one.kind, "law_from": one.law_from, "overall": {}, "by_phase": {}, "conformance": None,
+            "monitor": None,
         }  # fmt: skip
         seen = _between(arrived[one.sensors], -math.inf, float(flight.time[-1]))
         start = begins(prepared, one.name, one.sensors, seen, flight)
@@ -213,6 +215,7 @@ def _judged(
         "look_ahead": looked,
         **tracker_metrics(watch.flight, made, errors),
         "conformance": conformance.figures(seen, watch.prepared.departure),
+        "monitor": monitoring.figures(made, watch.prepared.fault(entry.sensors)),
     }
     sensors = {name: watch.prepared.scenario.sensors[name] for name in entry.sensors}
     curves = error_curves(watch.flight, sensors, made, errors)

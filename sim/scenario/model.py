@@ -16,6 +16,7 @@ from sim.scenario.tables import (
     Departure,
     Route,
     Runway,
+    SensorFault,
     Start,
     StudyTable,
     WindTable,
@@ -58,6 +59,7 @@ class Scenario:
     sensors: dict[str, Any]
     trackers: dict[str, TrackerChoice]
     departures: tuple[Departure, ...]
+    sensor_faults: tuple[SensorFault, ...]
     checks: tuple[Check, ...]
     study: StudyTable | None
     tables: dict[str, Any] = field(repr=False)  # the resolved file

@@ -32,6 +32,7 @@ from sim.scenario.tables import (
     LegsTable,
     PatternTable,
     Runway,
+    SensorFault,
     Start,
     StudyTable,
     WindTable,
@@ -174,6 +175,9 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         name: _tracker(faults, name, catalogue.load("trackers", entry["kind"]), entry, tables)
         for name, entry in tables.get("trackers", {}).items()
     }
+    for i, entry in enumerate(tables.get("sensor_faults", [])):
+        if (own := entry["sensor"]) not in sensors:
+            faults.append(f"[[sensor_faults]] entry {i} sensor: no sensor '{own}'; {did_you_mean(own, sensors)}")
     wind_table = tables.get("wind", {})
     events = {
         name: _event(faults, f"[wind.events.{name}]", catalogue.load("wind_events", entry["kind"]), entry, runway)
@@ -205,7 +209,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
                 _construct(faults, f"[[{several}]] entry {i}", cls, entry)
                 for i, entry in enumerate(tables.get(several, []))
             )
-            for several, cls in (("departures", Departure), ("checks", Check))
+            for several, cls in (("departures", Departure), ("sensor_faults", SensorFault), ("checks", Check))
         },
         "study": table("study", StudyTable) if tables.get("study") is not None else None,
     }
@@ -334,8 +338,9 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
         name: {**tables["trackers"][name], "sensors": list(choice.sensors)}
         for name, choice in built["trackers"].items()
     }
-    if tables.get("departures"):
-        out["departures"] = list(tables["departures"])
+    for several in ("departures", "sensor_faults"):
+        if tables.get(several):
+            out[several] = list(tables[several])
     out["checks"] = list(tables.get("checks", []))
     out["study"] = tables.get("study")
     return out

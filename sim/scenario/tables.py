@@ -17,6 +17,7 @@ from sim.scenario.axes import Axis, Sampled, axis
 FASTEST = 1000.0  # m/s, of anything that flies an approach
 HIGHEST_FLIGHT = 30_000.0  # m
 STARTS = {"downwind": 0, "base": 1, "final": 2}  # phases of a pattern on which a flight can begin, and their legs
+LARGEST_ERROR = 1000.0  # times that which a sensor states; beyond, it measures another thing
 FARTHEST = 1e6  # m from the threshold; the local metric is long wrong there
 
 
@@ -348,6 +349,25 @@ class Departure:
                 raise ValueError(f'{name} belongs to flies = "{name}", and to nothing else')
         if self.bank is not None and not abs(self.bank) <= math.radians(60):
             raise ValueError("bank must be at most 60 degrees to either side")
+
+
+@dataclass(frozen=True)
+class SensorFault:
+    """From a time on a sensor errs more, or less, than it states, and no tracker knows.
+
+    Its error is ``error_factor`` times what it would have been, so that its variance is the square of that times R.
+    Of the entries of a sensor the last whose time has come counts; a factor of 1 ends the fault.
+    """
+
+    at: Annotated[float, "s"]
+    sensor: str
+    error_factor: float
+
+    def __post_init__(self) -> None:
+        if not self.at >= 0.0:
+            raise ValueError("at must not be negative")
+        if not 0.0 < self.error_factor <= LARGEST_ERROR:
+            raise ValueError(f"error_factor must be above 0 and at most {LARGEST_ERROR:g}")
 
 
 @dataclass(frozen=True)

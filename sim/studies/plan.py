@@ -23,7 +23,19 @@ from sim.studies.job import with_values
 from sim.studies.theory import THEORIES
 
 LARGEST_STUDY = 100_000  # flights
-UNDESIGNED = ("name", "seed", "flights", "draws", "until_s", "start", "wind", "sensors", "trackers", "checks")
+UNDESIGNED = (
+    "name",
+    "seed",
+    "flights",
+    "draws",
+    "until_s",
+    "start",
+    "wind",
+    "sensors",
+    "sensor_faults",
+    "trackers",
+    "checks",
+)
 
 
 @dataclass(frozen=True)
