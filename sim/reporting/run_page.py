@@ -34,7 +34,7 @@ from sim.reporting.text.rows import (
     spread_rows,
 )
 from sim.reporting.text.tracker_tables import tracker_tables
-from sim.reporting.tracker_figures.charts import belief_charts, error_charts
+from sim.reporting.tracker_figures.charts import alarm_charts, belief_charts, error_charts
 from sim.reporting.tracker_figures.error_curves import shown_trackers
 from sim.reporting.tracker_figures.model_probabilities import mode_names
 from sim.scenario.toml_writer import dumps
@@ -150,6 +150,7 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
     whole, end = flight.whole, float(flight.time[-1])
     airborne = {name: record.until(end) for name, record in seen.records.items()}
     errors = error_charts(scenario, flight, trackers, shown, airborne, seen.chart)
+    alarms = alarm_charts(flight, trackers, tracked, shown)
     return {
         **first_screen(scenario, flight, metrics, shown, seen.number),
         "conformance": conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
@@ -161,5 +162,5 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
         "last_state": last_state(flight),
         "flight_rows": halves(scalar_rows(seen.figures)),
         "beside": beside_rows(seen.figures),
-        "tracker_charts": [*errors, *beliefs()],
+        "tracker_charts": [*errors, *beliefs(), *alarms],
     }

@@ -8,11 +8,13 @@ come for another reason.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.flight.record import Flight
 from sim.metrics.alarms.detection import detection, onsets, percentiles
+from sim.metrics.error_curves import pooled, windows
 from tracking.monitor import MONITOR
 from tracking.track import Track
 
@@ -42,3 +44,19 @@ def figures(track: Track, fault: float | None) -> dict[str, Any]:
 
 def _per_1000(counted: np.ndarray, before: np.ndarray, looks: int) -> float | None:
     return 1000.0 * float(counted[before].sum()) / looks if looks else None
+
+
+class AlarmShare(NamedTuple):
+    """How large a share of the draws is alarmed, over w short windows of time."""
+
+    time: np.ndarray  # (w,) s
+    share: np.ndarray  # (w,)
+
+
+def alarm_share(flight: Flight, track: Track) -> AlarmShare:
+    """The monitor's alarms on a track as a figure can show them."""
+    time, _, alarm = MONITOR.watch(track)
+    if not len(time):
+        return AlarmShare(np.empty(0), np.empty(0))
+    edges = windows(time, 0, flight, alarm.shape[1])
+    return AlarmShare(pooled(time, edges), pooled(alarm, edges))

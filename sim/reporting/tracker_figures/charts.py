@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
+from sim.metrics.alarms.monitoring import alarm_share
+from sim.metrics.alarms.operating_curve import WINDOWS, operating_curves
 from sim.metrics.conformance import conformance_sentence
 from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart
@@ -15,6 +17,8 @@ from sim.reporting.tracker_figures.conformance_strip import alert_strip
 from sim.reporting.tracker_figures.error_curves import Shown
 from sim.reporting.tracker_figures.estimate_map import estimate_map
 from sim.reporting.tracker_figures.model_probabilities import anomaly_strip, model_probabilities
+from sim.reporting.tracker_figures.monitor_strip import monitor_strip
+from sim.reporting.tracker_figures.operating_curves import drawn_curves
 from sim.reporting.tracker_figures.path_bound import path_bound
 from sim.reporting.tracker_figures.tracking_errors import (
     consistency_over_time,
@@ -26,6 +30,9 @@ from sim.reporting.tracker_figures.tracking_errors import (
 )
 from tracking.conformance import Watched
 from tracking.height_profile import Charted
+from tracking.monitor import MONITOR
+
+MOST_CURVES = 4  # trackers whose delays are drawn over their false alarms
 
 
 def error_charts(
@@ -144,4 +151,50 @@ def belief_charts(
             "Above: measured minus true angle of draw 0, linear within the dashed 2 σ of the stated accuracy and "
             "logarithmic beyond. Below: the mean probability of a worse accuracy than the stated.",
         )
+    return drawn
+
+
+def alarm_charts(
+    flight: Flight, trackers: dict[str, Any], tracked: dict[str, Any], followed: list[Shown]
+) -> list[Chart]:
+    """When the monitor of innovations alarms; where something goes wrong, delays over false alarms.
+
+    ``trackers`` as in metrics.json.
+    """
+    shares = {name: alarm_share(flight, one.track) for name, one in tracked.items()}
+    curves = {
+        name: operating_curves(tracked[name].tracker, tracked[name].track, fault)
+        for name in list(tracked)[:MOST_CURVES]
+        if (fault := trackers[name]["monitor"]["fault_s"]) is not None
+    }
+    drawn: list[Chart] = []
+    if not shares:
+        return drawn
+    rates = {name: trackers[name]["monitor"]["alarms_per_1000"] for name in shares}
+    colours = {one.name: one.look["color"] for one in followed}
+    with style.drawing():
+        drawn.append(
+            Chart(
+                "Does each tracker still follow?",
+                style.data_uri(monitor_strip(flight, shares, rates, colours)),
+                f"Share of the draws in which the innovations of the last {MONITOR.window} looks are too large for "
+                f"chance: {1000 * MONITOR.false_alarm_rate:g} look in 1000 while a tracker's model holds. By its name "
+                "the alarmed looks in 1000 before anything goes wrong (‰). A tracker that knows no turns, or is told "
+                "the wrong law, alarms in each turn.",
+            )
+        )
+        figure = drawn_curves(curves)
+        if figure is not None:
+            *few, most = map(str, WINDOWS)
+            drawn.append(
+                Chart(
+                    "How soon, at which price",
+                    style.data_uri(figure),
+                    "Median delay from what goes wrong to the first alarm, over the false alarms before it, while the "
+                    f"threshold is swept: the monitor over {', '.join(few)} and {most} looks, and the conformance "
+                    "alert. Each alarm counts once, at its onset; a draw that is never alarmed is infinitely late, and "
+                    "a threshold at which half of them are is not drawn. Rings at the left edge: no false alarm was "
+                    "seen. Larger dots: the threshold that promises one in 1000 looks.",
+                )
+            )
     return drawn
