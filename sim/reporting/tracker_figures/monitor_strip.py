@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
+
+import numpy as np
 
 from sim.flight.record import Flight
 from sim.metrics.alarms.monitoring import AlarmShare
@@ -11,9 +14,9 @@ from sim.reporting.figures.curves import phase_strip
 from sim.reporting.figures.histories import STRIP, TIME
 from sim.reporting.text.labels import words
 
-ROW = 0.24  # in
+ROW = 0.27  # in
 FULL = 0.8  # of a row is all draws
-LONGEST = 86.0  # points of the font times characters, left of the axes
+LINE = 15  # characters left of the axes
 WRONG = ("departure", "sensor_fault")  # events that no tracker is told
 
 
@@ -26,8 +29,9 @@ def monitor_strip(
     places = [len(shares) - 1.0 - row for row in range(len(shares))]
     for place, (name, shown) in zip(places, shares.items(), strict=True):
         axes.axhline(place, color=style.LIGHT, linewidth=0.5)
-        top = place + FULL * shown.share
-        axes.fill_between(shown.time, place, top, color=colours.get(name, style.GREY), linewidth=0.4)
+        kept = _corners(shown.share)
+        top = place + FULL * shown.share[kept]
+        axes.fill_between(shown.time[kept], place, top, color=colours.get(name, style.GREY), linewidth=0.4)
     wrong = [event for event in flight.events if event.name in WRONG]
     for event in wrong:
         axes.axvline(event.time, color=style.VERMILION, linewidth=0.8)
@@ -36,12 +40,22 @@ def monitor_strip(
             words(event.name), (event.time, len(shares)), (-3, -1), textcoords="offset points", ha="right", va="top",
             fontsize=6, color=style.VERMILION,
         )  # fmt: skip
-    labels = [words(name) if (rate := rates[name]) is None else f"{words(name)}\n{rate:.2g} ‰" for name in shares]
-    axes.set_yticks([place + 0.5 * FULL for place in places], labels, linespacing=1.0)
-    for label, name in zip(axes.get_yticklabels(), shares, strict=True):
-        label.set_fontsize(min(6.0, LONGEST / len(name)))
+    labels = [textwrap.fill(f"{words(name)} {_rate(rates[name])}", LINE) for name in shares]
+    axes.set_yticks([place + 0.5 * FULL for place in places], labels, fontsize=5, linespacing=0.95)
     axes.set_ylim(-0.1, len(shares))
     axes.grid(False, axis="y")
     axes.set_xlabel(TIME)
     axes.xaxis.set_label_coords(0.5, -0.28 / (ROW * len(shares)))
     return figure
+
+
+def _corners(values: np.ndarray) -> np.ndarray:
+    """(w,) bool: where a curve is not level on both sides, and its ends; mostly nothing alarms."""
+    changes = np.concatenate(([True], values[1:] != values[:-1], [True]))
+    return np.asarray(changes[1:] | changes[:-1])
+
+
+def _rate(rate: float | None) -> str:
+    if rate is None:
+        return ""
+    return f"{rate:.0f}\N{NO-BREAK SPACE}‰" if rate >= 10.0 else f"{rate:.2g}\N{NO-BREAK SPACE}‰"

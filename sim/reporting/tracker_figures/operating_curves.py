@@ -41,7 +41,7 @@ def drawn_curves(curves: dict[str, list[OperatingCurve]]) -> Any | None:
         axes.set_xlabel("false alarms in 1000 looks")
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.minorticks_off()
-    panels[0].set_xlim(0.8 * edge, 1000.0)
+    panels[0].set_xlim(0.8 * edge, 700.0)
     panels[0].set_ylim(0.0, None)
     panels[0].set_ylabel("median delay, s")
     figure.legend(handles.values(), handles, loc="upper left", ncols=4, bbox_to_anchor=(style.LEFT / style.WIDTH, 1.0))
