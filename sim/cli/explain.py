@@ -18,6 +18,7 @@ from sim.flight.departures import in_words
 from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared, prepare
 from sim.flight.weather import words
 from sim.metrics import windshear
+from sim.observation import faults
 from sim.scenario.model import Scenario
 from sim.scenario.tables import Check
 from sim.workers.isolation import run_isolated
@@ -36,6 +37,12 @@ def explain(scenario: Scenario) -> str:
     if scenario.departures:
         rows = [("the law is left at s", "what no tracker knows")]
         rows += [(f"{one.at:.0f}", in_words(one)) for one in sorted(scenario.departures, key=lambda one: one.at)]
+        parts.append("\n".join(table(rows, 2)))
+    if scenario.sensor_faults:
+        rows = [("a sensor fails at s", "what no tracker knows")]
+        rows += [
+            (f"{one.at:.0f}", faults.in_words(one)) for one in sorted(scenario.sensor_faults, key=lambda one: one.at)
+        ]
         parts.append("\n".join(table(rows, 2)))
     if scenario.sensors:
         kinds = {name: str(entry["kind"]) for name, entry in scenario.tables["sensors"].items()}
