@@ -115,6 +115,7 @@ def summaries(given, rmse, **more):
     return {
         name: {"kind": given.trackers[name].kind, "law_from": None, "overall": figures(value), "lost_fraction": 0.0,
                "by_phase": {phase: figures(value) for phase in ("final", "glide")}, "anees": 1.0, "anees_low": 0.9,
+               "monitor": {"alarms_per_1000": 0.0, "fault_s": None},
                "anees_high": 1.1, "anis": 1.0} | more.get(name, {})
         for name, value in rmse.items()
     }  # fmt: skip
@@ -316,6 +317,7 @@ def test_all_figures_of_the_trackers_are_there(flight, tmp_path):
     wanted = [
         "Error over time", "Error by phase", "Does each tracker know how good it is?", "Consistency over time",
         "Estimates in plan", "Containment against the radar's azimuth norm", "Look-ahead", "Model probabilities",
+        "Does each tracker still follow?",
     ]  # fmt: skip
     assert [title for title in titles if title in wanted] == wanted
     assert page.faults == []
