@@ -143,7 +143,10 @@ def _found(table: Any, parts: list[str]) -> tuple[bool, Any]:
 
 def tracker_figures(name: str, figures: dict[str, Any]) -> list[str]:
     """Figures of a tracker that may have been meant, for "did you mean"."""
-    return [f"{OF_TRACKERS}{name}.overall.{channel}.rmse" for channel in figures["overall"]]
+    errors = (f"overall.{channel}.rmse" for channel in figures["overall"])
+    return [
+        f"{OF_TRACKERS}{name}.{own}" for own in (*errors, *(f"monitor.{key}" for key in figures.get("monitor") or ()))
+    ]
 
 
 def _signal(check: Check, signal: signals.Signal, flight: Flight, runway: Runway) -> dict[str, Any]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import sim
+from sim.errors import ScenarioError
 from sim.metrics.alarms.detection import detection, onsets
 from sim.metrics.alarms.monitoring import figures
 from sim.metrics.alarms.operating_curve import STATED, WINDOWS, operating_curves
@@ -153,6 +154,12 @@ def test_without_a_fault_a_check_of_a_delay_has_no_figure():
     result = sim.run({**WATCHED, "checks": [check], "until_s": 10, "draws": 2})
     (said,) = result.metrics["checks"]
     assert (said["value"], said["passed"]) == (None, False)
+
+
+def test_a_misspelt_figure_of_the_monitor_is_named():
+    check = {"metric": f"{MONITOR}.alarm_per_1000", "max": 15}
+    with pytest.raises(ScenarioError, match=f"no such figure; did you mean '{MONITOR}.alarms_per_1000'"):
+        sim.run({**WATCHED, "checks": [check], "until_s": 10, "draws": 2})
 
 
 def test_a_fault_of_a_sensor_that_a_tracker_does_not_hear_is_none_of_its_faults():
