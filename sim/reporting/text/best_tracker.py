@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
-from sim.reporting.text.labels import column, number, split, words
+from sim.reporting.text.labels import column, joined, number, split, words
 from sim.reporting.tracker_figures.error_curves import Shown
 
 PLACES = {"cross_track_m": "across track", "position_m": "of position", "height_m": "of height"}
@@ -86,7 +86,7 @@ def _behind(flight: Flight, channel: str, best: Shown, others: list[Shown]) -> s
     ratios = {one.name: _ratio(channel, one, best) for one in others}
     alike = [words(one.name) for one in others if ratios[one.name][1]]
     behind = [one for one in others if not ratios[one.name][1] and np.isfinite(ratios[one.name][0])]
-    parts = [f"{_and(alike)} {'is' if len(alike) == 1 else 'are'} as good within the noise"] if alike else []
+    parts = [f"{joined(alike)} {'is' if len(alike) == 1 else 'are'} as good within the noise"] if alike else []
     if behind:
         value = ratios[behind[0].name][0]
         where = _where(flight, channel, best, behind[0])
@@ -135,6 +135,3 @@ def _law(trackers: dict[str, Any], channel: str, best: Shown, others: list[Shown
             parts.append(f"with the law that flies it has {number(value, 2)} times the error, so its model errs anyway")
     return parts
 
-
-def _and(names: list[str]) -> str:
-    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))

@@ -1,0 +1,215 @@
+"""What a run says of the trackers that it contrasts: how far apart they are, ahead and over the flight, and why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from sim.reporting.text import reasons
+from sim.reporting.text.labels import column, joined, number, split, words
+from sim.reporting.text.reasons import Apart, Flown, Loss
+from sim.reporting.tracker_figures.error_curves import FIRST
+
+SPAN = "60_s"  # of the look-ahead that is told, where the contrast has it
+OFF = {"position_m": "off by", "cross_track_m": "off across track by", "height_m": "off in height by"}
+
+Contrast = dict[str, Any]  # as in metrics.json
+Ratio = dict[str, Any]  # of one channel: ratio, low, high, n, of, against
+
+
+def contrast_sentences(metrics: dict[str, Any], flown: Flown, figures: dict[str, Any] | None = None) -> list[str]:
+    """A paragraph for each pair of trackers that a run contrasts, over all its flights; empty where it contrasts none.
+
+    Contrasts of the same two kinds of trackers are different ways to set them up, and told together.
+
+    Parameters
+    ----------
+    metrics : as in metrics.json
+    flown : the flight that shows why
+    figures : of its trackers, as in metrics.json; None = those of ``metrics``, which is about this flight alone
+    """
+    figures = metrics["trackers"] if figures is None else figures
+    lost = {
+        name: found
+        for contrast in metrics.get("contrasts", ())
+        for name in (contrast["of"], contrast["against"])
+        if (found := reasons.loss(flown, name, figures.get(name, {}).get("lost_time_s"))) is not None
+    }
+    first = foremost(metrics)
+    told = []
+    for ways in _ways(metrics).values():
+        leading = _closest(ways)
+        parted = None if leading is None else reasons.apart(flown, leading["of"], leading["against"])
+        told.append(paragraph(metrics, ways, lost, parted if leading is first else None))
+    return told
+
+
+def foremost(metrics: dict[str, Any]) -> Contrast | None:
+    """The contrast that the first figure and the replay show: of the first pair, the way in which they differ least.
+
+    None where nothing is contrasted, or one of the two never tracked.
+    """
+    for ways in _ways(metrics).values():
+        return _closest(ways)
+    return None
+
+
+def _ways(metrics: dict[str, Any]) -> dict[tuple[str, str], list[Contrast]]:
+    """The contrasts by the kinds of their two trackers, in the order of the file."""
+    found: dict[tuple[str, str], list[Contrast]] = {}
+    for contrast in metrics.get("contrasts", ()):
+        of, against = (metrics["trackers"].get(contrast[side], {}).get("kind") for side in ("of", "against"))
+        found.setdefault((of or contrast["of"], against or contrast["against"]), []).append(contrast)
+    return found
+
+
+def _closest(ways: Sequence[Contrast]) -> Contrast | None:
+    known = [(abs(math.log(entry["ratio"])), way) for way in ways if (entry := _overall(way)[1]) is not None]
+    return min(known, key=lambda pair: pair[0])[1] if known else None
+
+
+def paragraph(
+    metrics: dict[str, Any], ways: Sequence[Contrast], lost: dict[str, Loss], parted: Apart | None = None
+) -> str:
+    """What is said of one pair of kinds of trackers, which may be set up in several ways."""
+    names = _names(metrics, ways)
+    able = [way for way in ways if _overall(way)[1] is not None]
+    over = f"over {metrics['flights']} flights" if metrics.get("flights", 1) > 1 else ""
+    told = [
+        _measured(f"{span.removesuffix('_s')} s ahead{', ' + over + ',' if over else ''}", able, names, ahead)
+        for span in _spans(able)
+        if (ahead := _reader(span)) is not None
+    ]
+    if able:
+        told.append(_measured(f"{over or 'over the whole flight'}", able, names, _overall))
+        told += _who_is_lost(metrics, able, lost, parted)
+    told += [_untracked(metrics, way) for way in ways if way not in able]
+    return " ".join(sentence[0].upper() + sentence[1:] for sentence in told if sentence)
+
+
+def _names(metrics: dict[str, Any], ways: Sequence[Contrast]) -> Callable[[Contrast, str], str]:
+    """How a tracker of a contrast is called: by its kind where several ways are told, which then name themselves."""
+    kinds = {side: metrics["trackers"].get(ways[0][side], {}).get("kind") for side in ("of", "against")}
+    if len(ways) > 1 and all(way.get("name") for way in ways) and None not in kinds.values():
+        if kinds["of"] != kinds["against"]:
+            return lambda way, side: words(kinds[side])
+    return lambda way, side: words(way[side])
+
+
+def _spans(ways: Sequence[Contrast]) -> list[str]:
+    """The one span of the look-ahead that is told: 60 s, else the longest; none where nothing was predicted."""
+    known = [span for way in ways for span, channels in way["look_ahead"].items() if _chosen(channels)[1] is not None]
+    if not known or SPAN in known:
+        return [SPAN] if known else []
+    return [max(known, key=lambda span: float(span.removesuffix("_s")))]
+
+
+def _reader(span: str) -> Callable[[Contrast], tuple[str, Ratio | None]]:
+    return lambda way: _chosen(way["look_ahead"].get(span, {}))
+
+
+def _overall(way: Contrast) -> tuple[str, Ratio | None]:
+    return _chosen(way["overall"])
+
+
+def _chosen(channels: dict[str, Ratio]) -> tuple[str, Ratio | None]:
+    """(channel, ratio) of the place where both know it; None for the ratio where they have nothing in common."""
+    for channel in (*FIRST, *channels):
+        entry = channels.get(channel)
+        if entry is not None and _known(entry["ratio"]) and entry["ratio"] > 0.0:
+            return channel, entry
+    return "", None
+
+
+def _known(value: float | None) -> bool:
+    return value is not None and math.isfinite(value)
+
+
+def _measured(
+    where: str,
+    ways: Sequence[Contrast],
+    names: Callable[[Contrast, str], str],
+    read: Callable[[Contrast], tuple[str, Ratio | None]],
+) -> str:
+    """One sentence with the ratio of every way: the better one's error, the worse one's, how many times it is."""
+    parts, before = [], None
+    for way in ways:
+        channel, entry = read(way)
+        if entry is None:
+            continue
+        side = _told(entry)
+        better, worse = (names(way, name) for name in side.order)
+        off, unit = OFF.get(channel, f"off in {split(channel)[0]} by"), split(channel)[1]
+        small, large = column([entry[name] for name in side.order])
+        named = f" {way['name']}" if len(ways) > 1 and way.get("name") else ""
+        if (better, worse, off) == before:
+            parts.append(f"{side.times},{named}: {small} {unit} against {large} {unit}")
+        else:
+            both = f"{better} is {off} {small} {unit} and {worse} by {large} {unit}"
+            parts.append(f"{both}, {side.times}{',' + named if named else ''}")
+        before = better, worse, off
+    return f"{where} {'; '.join(parts)}." if parts else ""
+
+
+class _Told(NamedTuple):
+    """A ratio of two errors with the better one first."""
+
+    order: tuple[str, str]  # sides of the contrast: better, worse
+    times: str  # in words
+
+
+def _told(entry: Ratio) -> _Told:
+    """How many times the worse errs, with its interval, or that the noise hides it."""
+    ratio, low, high = entry["ratio"], entry["low"], entry["high"]
+    order = ("against", "of")
+    if ratio < 1.0:
+        order = ("of", "against")
+        ratio, low, high = 1.0 / ratio, high and 1.0 / high, low and 1.0 / low
+    places = 0 if ratio >= 20.0 else 1 if ratio >= 2.0 else 2
+    times = f"{number(float(ratio), places)} times"
+    if not (_known(low) and _known(high)):
+        return _Told(order, "the same" if ratio == 1.0 else f"{times} as much in a single sample, which may be chance")
+    interval = f"{number(float(low), places)} to {number(float(high), places)}"
+    if low <= 1.0 <= high:
+        return _Told(order, f"no difference within the noise ({times}, {interval})")
+    return _Told(order, f"{times} as much ({interval})")
+
+
+def _who_is_lost(
+    metrics: dict[str, Any], ways: Sequence[Contrast], lost: dict[str, Loss], parted: Apart | None
+) -> list[str]:
+    """Who is lost, when and why; where nobody is, where they part and why."""
+    trackers = list(dict.fromkeys(way[side] for way in ways for side in ("of", "against")))
+    shares = {name: metrics["trackers"].get(name, {}).get("lost_fraction") or 0.0 for name in trackers}
+    told = [_loss(metrics, name, share, lost.get(name)) for name, share in shares.items() if share > 0.0]
+    spared = [words(name) for name, share in shares.items() if share == 0.0]
+    if not told:
+        told = ["Neither is ever lost." if len(spared) == 2 else "None of them is ever lost."]
+        if parted is not None:
+            told.append(f"They part at {parted.stretch.start:.0f} s, during {parted.phase}: {parted.cause}.")
+    elif spared:
+        told.append(f"{joined(spared)} {'is' if len(spared) == 1 else 'are'} never lost.")
+    return told
+
+
+def _loss(metrics: dict[str, Any], name: str, share: float, found: Loss | None) -> str:
+    several = metrics.get("flights", 1) > 1
+    draws = f"in {number(100.0 * share, 1)} % of the draws"
+    if share == 1.0:
+        draws = "in every draw" if metrics.get("draws", 1) > 1 else ""
+    of_all = f" of all {metrics['flights']} flights" if several else ""
+    here = "on this flight first" if several else "first"
+    if found is None:
+        return f"{words(name)} is lost {draws}{of_all}{', not on this flight' if several else ''}."
+    when = f"{here} at {found.time:.0f} s, during {found.phase}: {found.cause}"
+    return f"{words(name)} is lost {draws}{of_all}{', ' if draws else ''}{when}."
+
+
+def _untracked(metrics: dict[str, Any], way: Contrast) -> str:
+    """Why a contrast has no ratio."""
+    blind = [words(way[s]) for s in ("of", "against") if not metrics["trackers"].get(way[s], {}).get("overall")]
+    pair = f"{words(way['of'])} and {words(way['against'])} cannot be compared"
+    if not blind:
+        return f"{pair}: they estimate nothing in common."
+    return f"{pair}: {joined(blind)} never saw the aircraft."
