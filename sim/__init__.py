@@ -37,7 +37,7 @@ Data
     - ``air`` - density, temperature and pressure over the runway (aircraft.air)
     - ``mode`` - the kind of law that flies, ``modes`` - the classes of all laws that are named; ``law`` - what the file
       sets of it; ``designed`` - gains it brings along; ``parts`` - kinds from outside that are named
-    - ``sensors``, ``trackers`` - by name; ``departures`` from the law; ``checks``; ``study``
+    - ``sensors``, ``trackers`` - by name; ``departures`` from the law; ``contrasts`` of trackers; ``checks``; ``study``
     - ``tables`` - the resolved file itself, in its own spelling
 - `Prepared` - all that one flight needs, built once (sim.flight.preparation)
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state

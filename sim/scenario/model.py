@@ -13,6 +13,7 @@ from sim.scenario.tables import (
     AircraftChoice,
     AutopilotTable,
     Check,
+    Contrast,
     Departure,
     Route,
     Runway,
@@ -58,6 +59,7 @@ class Scenario:
     sensors: dict[str, Any]
     trackers: dict[str, TrackerChoice]
     departures: tuple[Departure, ...]
+    contrasts: tuple[Contrast, ...]
     checks: tuple[Check, ...]
     study: StudyTable | None
     tables: dict[str, Any] = field(repr=False)  # the resolved file

@@ -23,7 +23,8 @@ from sim.studies.job import with_values
 from sim.studies.theory import THEORIES
 
 LARGEST_STUDY = 100_000  # flights
-UNDESIGNED = ("name", "seed", "flights", "draws", "until_s", "start", "wind", "sensors", "trackers", "checks")
+OBSERVED = ("draws", "sensors", "trackers", "contrasts", "checks")
+UNDESIGNED = ("name", "seed", "flights", "until_s", "start", "wind", *OBSERVED)
 
 
 @dataclass(frozen=True)
