@@ -14,10 +14,11 @@ MOST_REASONS = 3  # of flights that crashed, or were refused
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
 
 
-def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = ()) -> str:
+def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = (), contrasted: Sequence[str] = ()) -> str:
     """One sentence on what happened, the trackers, then the checks as an aligned table.
 
-    ``again`` is how a flight is flown again, as ``run_again`` gives it; ``said`` are warnings that were said.
+    ``again`` is how a flight is flown again, as ``run_again`` gives it; ``said`` are warnings that were said;
+    ``contrasted`` is what is said of the trackers that are set against each other.
     """
     flight, several = metrics["flight"], metrics["flights"] > 1
     if several:
@@ -27,6 +28,7 @@ def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = ()) -> st
         lines = [f"{metrics['scenario']}: {flight['reason']} ({flight['duration_s']:.0f} s, seed {metrics['seed']})"]
     why = (flight.get("navigated") or {}).get("why")
     lines += [f"why{' (flight 0)' if several else ''}: {why}"] if why else []
+    lines += ["", *contrasted] if contrasted else []
     rows = [
         (name, channel, figure["rmse"], figure["raw"], figure["gain"])
         for name, tracker in metrics["trackers"].items()

@@ -38,9 +38,7 @@ def bank_history(flight: Flight, law: Mode, bank_limit: float) -> Any:
     over_time(axes, flight, np.degrees(flight.state.bank), color=style.BLUE, linewidth=1.3, label="bank")
     pad(axes, 2.0, 0.17)
     full = axes.get_xaxis_transform()
-    axes.broken_barh(
-        _spans(flight, acting[BANK]), (0, 1), transform=full, color=style.ORANGE, alpha=0.25, linewidth=0
-    )
+    axes.broken_barh(_spans(flight, acting[BANK]), (0, 1), transform=full, color=style.ORANGE, alpha=0.25, linewidth=0)
     axes.set_ylabel("bank, deg (+ right)")
     axes.legend(loc="upper right", ncols=3)
     colours = {"bank": style.ORANGE}

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
+from sim.metrics.conformance import MISMATCHED
 from sim.reporting.text.labels import column, joined, number, split, words
 from sim.reporting.tracker_figures.error_curves import Shown
 
@@ -14,20 +15,22 @@ PLACES = {"cross_track_m": "across track", "position_m": "of position", "height_
 TOO_SURE = 1.5  # ANEES beyond which the winner is called too sure of itself
 
 
-def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown]) -> str:
+def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown], short: bool = False) -> str:
     """The best of those that saw the same measurements; empty where nothing was tracked.
 
-    ``trackers`` as in metrics.json. Ratios are of root mean square errors over common draws; two trackers are alike
-    where the paired 95 % interval of their ratio holds 1.
+    A tracker with a mismatched law does not win while there are others: what it is good for is to be compared with the
+    one that has the law that flies. ``short`` leaves out what a law was worth. ``trackers`` as in metrics.json. Ratios
+    are of root mean square errors over common draws; two trackers are alike where the paired 95 % interval of their
+    ratio holds 1.
     """
     channel, rivals = _contest(trackers, followed)
     if not rivals:
         return ""
-    best, *others = rivals
+    best, *others = sorted(rivals, key=lambda one: one.law_from == MISMATCHED)
     parts = [f"{_head(trackers, channel, best, rivals)}"]
     if others:
         parts.append(_behind(flight, channel, best, others))
-    parts += _law(trackers, channel, best, others)
+    parts += [] if short else _law(trackers, channel, best, others)
     figures = trackers[best.name]
     if (figures.get("anees_low") or 0.0) > TOO_SURE:
         parts.append(f"yet it is too sure of itself (ANEES {number(float(figures['anees']), 1)})")
@@ -129,9 +132,7 @@ def _law(trackers: dict[str, Any], channel: str, best: Shown, others: list[Shown
         value, alike = _ratio(channel, twin, best)
         if alike:
             parts.append("which of the two laws it assumes makes no difference to it")
-        elif best.law_from == "autopilot":
-            parts.append(f"with the mismatched law it has {number(value, 2)} times the error")
         else:
-            parts.append(f"with the law that flies it has {number(value, 2)} times the error, so its model errs anyway")
+            anyway = ", so its model errs anyway" if value < 1.0 else ""
+            parts.append(f"with the mismatched law it has {number(value, 2)} times the error{anyway}")
     return parts
-

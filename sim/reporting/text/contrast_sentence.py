@@ -7,12 +7,14 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from sim.reporting.text import reasons
-from sim.reporting.text.labels import column, joined, number, split, words
+from sim.reporting.text.labels import joined, number, split, words
 from sim.reporting.text.reasons import Apart, Flown, Loss
 from sim.reporting.tracker_figures.error_curves import FIRST
 
 SPAN = "60_s"  # of the look-ahead that is told, where the contrast has it
 OFF = {"position_m": "off by", "cross_track_m": "off across track by", "height_m": "off in height by"}
+
+EXPLAINED = "Errors are root mean squares, intervals of 95 %."
 
 Contrast = dict[str, Any]  # as in metrics.json
 Ratio = dict[str, Any]  # of one channel: ratio, low, high, n, of, against
@@ -36,7 +38,7 @@ def contrast_sentences(metrics: dict[str, Any], flown: Flown, figures: dict[str,
         for name in (contrast["of"], contrast["against"])
         if (found := reasons.loss(flown, name, figures.get(name, {}).get("lost_time_s"))) is not None
     }
-    first = foremost(metrics)
+    first = first_contrast(metrics)
     told = []
     for ways in _ways(metrics).values():
         leading = _closest(ways)
@@ -45,7 +47,7 @@ def contrast_sentences(metrics: dict[str, Any], flown: Flown, figures: dict[str,
     return told
 
 
-def foremost(metrics: dict[str, Any]) -> Contrast | None:
+def first_contrast(metrics: dict[str, Any]) -> Contrast | None:
     """The contrast that the first figure and the replay show: of the first pair, the way in which they differ least.
 
     None where nothing is contrasted, or one of the two never tracked.
@@ -84,6 +86,7 @@ def paragraph(
     if able:
         told.append(_measured(f"{over or 'over the whole flight'}", able, names, _overall))
         told += _who_is_lost(metrics, able, lost, parted)
+        told.append(EXPLAINED)
     told += [_untracked(metrics, way) for way in ways if way not in able]
     return " ".join(sentence[0].upper() + sentence[1:] for sentence in told if sentence)
 
@@ -91,9 +94,9 @@ def paragraph(
 def _names(metrics: dict[str, Any], ways: Sequence[Contrast]) -> Callable[[Contrast, str], str]:
     """How a tracker of a contrast is called: by its kind where several ways are told, which then name themselves."""
     kinds = {side: metrics["trackers"].get(ways[0][side], {}).get("kind") for side in ("of", "against")}
-    if len(ways) > 1 and all(way.get("name") for way in ways) and None not in kinds.values():
-        if kinds["of"] != kinds["against"]:
-            return lambda way, side: words(kinds[side])
+    apart = None not in kinds.values() and kinds["of"] != kinds["against"]
+    if apart and len(ways) > 1 and all(way.get("name") for way in ways):
+        return lambda way, side: words(kinds[side])
     return lambda way, side: words(way[side])
 
 
@@ -133,23 +136,32 @@ def _measured(
     read: Callable[[Contrast], tuple[str, Ratio | None]],
 ) -> str:
     """One sentence with the ratio of every way: the better one's error, the worse one's, how many times it is."""
-    parts, before = [], None
+    parts: list[str] = []
+    before = None
     for way in ways:
         channel, entry = read(way)
         if entry is None:
             continue
-        side = _told(entry)
-        better, worse = (names(way, name) for name in side.order)
-        off, unit = OFF.get(channel, f"off in {split(channel)[0]} by"), split(channel)[1]
-        small, large = column([entry[name] for name in side.order])
-        named = f" {way['name']}" if len(ways) > 1 and way.get("name") else ""
+        told = _told(entry)
+        better, worse = (names(way, side) for side in told.order)
+        small, large = (_size(entry[side], split(channel)[1]) for side in told.order)
+        off = OFF.get(channel, f"off in {split(channel)[0]} by")
+        named = f"{way['name']}, " if len(ways) > 1 and way.get("name") else ""
         if (better, worse, off) == before:
-            parts.append(f"{side.times},{named}: {small} {unit} against {large} {unit}")
+            parts.append(f"{named}by {small} and {large}, {told.times}")
         else:
-            both = f"{better} is {off} {small} {unit} and {worse} by {large} {unit}"
-            parts.append(f"{both}, {side.times}{',' + named if named else ''}")
+            parts.append(f"{named}{better} is {off} {small} and {worse} by {large}, {told.times}")
         before = better, worse, off
-    return f"{where} {'; '.join(parts)}." if parts else ""
+    if not parts:
+        return ""
+    comma = "," if len(ways) > 1 and not where.endswith(",") else ""
+    return f"{where}{comma} {'; '.join(parts)}."
+
+
+def _size(value: float, unit: str) -> str:
+    """An error to three figures."""
+    places = 0 if value >= 100.0 else 1 if value >= 10.0 else 2 if value >= 1.0 else 3
+    return f"{number(float(value), places)} {unit}"
 
 
 class _Told(NamedTuple):
@@ -187,7 +199,7 @@ def _who_is_lost(
     if not told:
         told = ["Neither is ever lost." if len(spared) == 2 else "None of them is ever lost."]
         if parted is not None:
-            told.append(f"They part at {parted.stretch.start:.0f} s, during {parted.phase}: {parted.cause}.")
+            told.append(f"They part at {parted.stretch.start:.0f} s ({parted.phase}): {parted.cause}.")
     elif spared:
         told.append(f"{joined(spared)} {'is' if len(spared) == 1 else 'are'} never lost.")
     return told
@@ -195,14 +207,14 @@ def _who_is_lost(
 
 def _loss(metrics: dict[str, Any], name: str, share: float, found: Loss | None) -> str:
     several = metrics.get("flights", 1) > 1
-    draws = f"in {number(100.0 * share, 1)} % of the draws"
+    draws = f"in {number(100.0 * share, 0 if share > 0.1 else 1)} % of the draws"
     if share == 1.0:
         draws = "in every draw" if metrics.get("draws", 1) > 1 else ""
     of_all = f" of all {metrics['flights']} flights" if several else ""
     here = "on this flight first" if several else "first"
     if found is None:
         return f"{words(name)} is lost {draws}{of_all}{', not on this flight' if several else ''}."
-    when = f"{here} at {found.time:.0f} s, during {found.phase}: {found.cause}"
+    when = f"{here} at {found.time:.0f} s ({found.phase}): {found.cause}"
     return f"{words(name)} is lost {draws}{of_all}{', ' if draws else ''}{when}."
 
 

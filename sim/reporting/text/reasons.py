@@ -11,7 +11,7 @@ import numpy as np
 
 from autopilot.mode import Mode
 from sim.flight.departures import in_words
-from sim.flight.law_limits import BANK, acting_limits
+from sim.flight.law_limits import acting_limits
 from sim.flight.record import Flight
 from sim.metrics.conformance import MISMATCHED
 from sim.reporting.text.labels import joined, number, words
@@ -106,14 +106,10 @@ def cause(flown: Flown, name: str, since: float, until: float) -> str:
     step = float(np.median(np.diff(flight.time[during]))) if during.sum() > 1 else 0.0
     acting = acting_limits(flight, law, float(law.bank_limit))
     lasting = {name: float(np.sum(mask[during])) * step for name, mask in acting.items()}
-    limits = [_limit(name) for name in sorted(lasting, key=lambda name: -lasting[name]) if lasting[name] >= SHORT]
+    limits = [words(name) for name in sorted(lasting, key=lambda name: -lasting[name]) if lasting[name] >= SHORT]
     if limits:
-        return f"the law is at its {joined(limits)} there"
+        return f"the law is at its {joined(limits)} limit{'s' if limits[1:] else ''} there"
     return "the law is flown there within its limits, so its model errs otherwise"
-
-
-def _limit(name: str) -> str:
-    return "bank limit" if name == BANK else f"{words(name)} limit"
 
 
 def _manoeuvre(flight: Flight, during: np.ndarray) -> str:
@@ -124,7 +120,7 @@ def _manoeuvre(flight: Flight, during: np.ndarray) -> str:
     speed, time = flight.state.ground_speed[during], flight.time[during]
     change = float(speed[-1] - speed[0]) / max(float(time[-1] - time[0]), 1e-6)
     if abs(change) > CHANGING:
-        return f"the aircraft {'slows down' if change < 0.0 else 'speeds up'} there by {number(abs(change), 1)} m/s²"
+        return f"the aircraft {'slows down' if change < 0.0 else 'speeds up'} there at {number(abs(change), 1)} m/s²"
     return "the aircraft flies straight there at a steady speed"
 
 
