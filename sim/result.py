@@ -38,8 +38,8 @@ class Result:
 
     @property
     def contrasted(self) -> list[str]:
-        """A paragraph for each pair of trackers that are set against each other, over all flights: how far apart they
-        are, which is lost, when and why on the flight that is here."""
+        """Sentences about each pair of trackers that are set against each other, over all flights: how far apart they
+        are, which is lost; and why, on the flight that is here."""
         each = {one["flight"]: one["metrics"].get("trackers", {}) for one in self.metrics.get("each_flight", ())}
         flown = Flown(self.scenario, self.prepared.law, self.flight, self.tracks)
         return contrast_sentences(self.metrics, flown, each.get(self.number))

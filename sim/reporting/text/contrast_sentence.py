@@ -21,9 +21,10 @@ Ratio = dict[str, Any]  # of one channel: ratio, low, high, n, of, against
 
 
 def contrast_sentences(metrics: dict[str, Any], flown: Flown, figures: dict[str, Any] | None = None) -> list[str]:
-    """A paragraph for each pair of trackers that a run contrasts, over all its flights; empty where it contrasts none.
+    """What is said of each pair of trackers that a run contrasts, over all its flights; empty where it contrasts none.
 
-    Contrasts of the same two kinds of trackers are different ways to set them up, and told together.
+    Each entry is a line of its own: how far apart they are when they look ahead, how far over the flight, and who is
+    lost. Contrasts of the same two kinds of trackers are different ways to set them up, and told together.
 
     Parameters
     ----------
@@ -39,11 +40,11 @@ def contrast_sentences(metrics: dict[str, Any], flown: Flown, figures: dict[str,
         if (found := reasons.loss(flown, name, figures.get(name, {}).get("lost_time_s"))) is not None
     }
     first = first_contrast(metrics)
-    told = []
+    told: list[str] = []
     for ways in _ways(metrics).values():
         leading = _closest(ways)
         parted = None if leading is None else reasons.apart(flown, leading["of"], leading["against"])
-        told.append(paragraph(metrics, ways, lost, parted if leading is first else None))
+        told += lines(metrics, ways, lost, parted if leading is first else None)
     return told
 
 
@@ -71,9 +72,9 @@ def _closest(ways: Sequence[Contrast]) -> Contrast | None:
     return min(known, key=lambda pair: pair[0])[1] if known else None
 
 
-def paragraph(
+def lines(
     metrics: dict[str, Any], ways: Sequence[Contrast], lost: dict[str, Loss], parted: Apart | None = None
-) -> str:
+) -> list[str]:
     """What is said of one pair of kinds of trackers, which may be set up in several ways."""
     names = _names(metrics, ways)
     able = [way for way in ways if _overall(way)[1] is not None]
@@ -85,10 +86,13 @@ def paragraph(
     ]
     if able:
         told.append(_measured(f"{over or 'over the whole flight'}", able, names, _overall))
-        told += _who_is_lost(metrics, able, lost, parted)
-        told.append(EXPLAINED)
+        told.append(" ".join(map(_capital, (*_who_is_lost(metrics, able, lost, parted), EXPLAINED))))
     told += [_untracked(metrics, way) for way in ways if way not in able]
-    return " ".join(sentence[0].upper() + sentence[1:] for sentence in told if sentence)
+    return [_capital(line) for line in told if line]
+
+
+def _capital(sentence: str) -> str:
+    return sentence[0].upper() + sentence[1:]
 
 
 def _names(metrics: dict[str, Any], ways: Sequence[Contrast]) -> Callable[[Contrast, str], str]:
@@ -214,7 +218,7 @@ def _loss(metrics: dict[str, Any], name: str, share: float, found: Loss | None) 
     here = "on this flight first" if several else "first"
     if found is None:
         return f"{words(name)} is lost {draws}{of_all}{', not on this flight' if several else ''}."
-    when = f"{here} at {found.time:.0f} s ({found.phase}): {found.cause}"
+    when = f"{here} at {found.time:.0f} s, astray since {found.astray:.0f} s ({found.phase}): {found.cause}"
     return f"{words(name)} is lost {draws}{of_all}{', ' if draws else ''}{when}."
 
 

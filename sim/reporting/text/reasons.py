@@ -18,8 +18,11 @@ from sim.reporting.text.labels import joined, number, words
 from sim.reporting.tracker_figures.error_curves import FIRST
 from sim.reporting.tracker_figures.parting import Parting, parting
 from tracking.consistency import LOST_EPOCHS
+from tracking.motion import CARTESIAN
+from tracking.track import Track
 
-SHORT = 2.0  # s; a limit that acts no longer explains nothing
+SHORT = 1.0  # s; a limit that acts no longer explains nothing
+LOOKS = 2  # before the first that finds the aircraft outside: what acts needs a while to show
 ONSET = 20.0  # s, after the parting of two trackers, in which its cause is looked for
 FOLLOWS = np.radians(0.5)  # between the bank command and that of the law: what rounding and a step of lag leave
 BANKED = np.radians(5.0)  # from which on a flight is no longer called straight
@@ -36,10 +39,11 @@ class Flown(NamedTuple):
 
 
 class Loss(NamedTuple):
-    """When and where the first draw of a tracker was lost on a flight, and what acted there."""
+    """When the first draw of a tracker was lost on a flight, where it had gone astray, and what acted there."""
 
     time: float  # s
-    phase: str  # in words
+    astray: float  # s, the first of the looks in a row for which it counts as lost
+    phase: str  # in words, then
     cause: str  # a clause
 
 
@@ -55,14 +59,15 @@ def loss(flown: Flown, name: str, lost_time: float | None) -> Loss | None:
     """Why a tracker was lost on a flight, ``lost_time`` (s) being that of metrics.json; None where it was not.
 
     It is lost at the last of several looks in a row that find the aircraft outside its ellipse; what put it there acted
-    between the look before the first of them and the last.
+    before the first of them.
     """
     if lost_time is None or name not in flown.tracked:
         return None
     epochs = flown.tracked[name].track.time
     last = int(np.searchsorted(epochs, lost_time))
-    since = float(epochs[max(last - LOST_EPOCHS, 0)])
-    return Loss(lost_time, _phase(flown.flight, lost_time), cause(flown, name, since, lost_time))
+    first = max(last - LOST_EPOCHS + 1, 0)
+    since, astray = float(epochs[max(first - 1 - LOOKS, 0)]), float(epochs[first])
+    return Loss(lost_time, astray, _phase(flown.flight, astray), cause(flown, name, since, astray))
 
 
 def apart(flown: Flown, of: str, against: str) -> Apart | None:
@@ -84,8 +89,8 @@ def apart(flown: Flown, of: str, against: str) -> Apart | None:
 def cause(flown: Flown, name: str, since: float, until: float) -> str:
     """What acted on the aircraft between two instants, s, that a tracker may not know: a clause.
 
-    Another law than the tracker assumes, else a bank that does not follow the law, else limits of the law. Of a tracker
-    that assumes no law: the turn or the change of speed.
+    Another law than the tracker assumes, else a bank that does not follow the law, else limits of the law, else a turn
+    that the tracker flies too early. Of a tracker that assumes no law: the turn or the change of speed.
     """
     scenario, law, flight, tracked = flown
     law_from = tracked[name].law_from
@@ -109,7 +114,21 @@ def cause(flown: Flown, name: str, since: float, until: float) -> str:
     limits = [words(name) for name in sorted(lasting, key=lambda name: -lasting[name]) if lasting[name] >= SHORT]
     if limits:
         return f"the law is at its {joined(limits)} limit{'s' if limits[1:] else ''} there"
+    if _turns_early(flown, tracked[name].track, since, until):
+        return "its estimate turns onto the next leg before the aircraft does"
     return "the law is flown there within its limits, so its model errs otherwise"
+
+
+def _turns_early(flown: Flown, track: Track, since: float, until: float) -> bool:
+    """Whether the route, asked by the estimate of any draw, gives the next leg while the aircraft flies its own."""
+    if not {*CARTESIAN} <= {*track.channels}:
+        return False
+    flight, looks = flown.flight, np.flatnonzero((track.time >= since) & (track.time <= until))
+    north, north_rate, east, east_rate = (track.mean[looks, track.channels.index(name)] for name in CARTESIAN)
+    leg = flight.leg[np.clip(np.searchsorted(flight.time, track.time[looks]), 0, len(flight.time) - 1), None]
+    leg = np.broadcast_to(leg, north.shape)
+    taken = flight.route.sequence(leg, (north, east), (north_rate, east_rate), float(flown.law.bank_limit))
+    return bool(np.any(taken > leg))
 
 
 def _manoeuvre(flight: Flight, during: np.ndarray) -> str:

@@ -50,7 +50,9 @@ def contrast_chart(
         "believes it at the same instant; the route is dashed. "
     )
     if parted is not None:
-        caption += f"They part at {parted.start:.0f} s, from when one errs at least {parted.factor:g} times the other."
+        caption += (
+            f"They part at {parted.start:.0f} s: from there one errs {parted.factor:g} times the other, over all draws."
+        )
     else:
         caption += "They do not part: nowhere does one err half as much again as the other for 10 s on end."
     keys = (("flown", style.BLACK, False), *_keys(list(pair)))

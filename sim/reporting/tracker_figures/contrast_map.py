@@ -92,10 +92,10 @@ def drawn(it: ContrastMap) -> Any:
     axes.plot(*it.flown, color=style.BLACK, linewidth=2.0, zorder=1.8)
     if it.parted is not None:
         axes.plot(*it.parted[:, None], "o", color="white", markeredgecolor=style.BLACK, markersize=7, zorder=3)
+        ahead = it.flown[0, -1] >= it.parted[0]
         axes.annotate(
-            "they part", (float(it.parted[0]), float(it.parted[1])), (7, 7),
-            textcoords="offset points", fontsize=8, zorder=4,
-            bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+            "they part", (float(it.parted[0]), float(it.parted[1])), (-6 if ahead else 6, 8), zorder=4,
+            textcoords="offset points", fontsize=8, ha="right" if ahead else "left",
         )  # fmt: skip
     axes.set_xlabel("along the final course, km past the threshold")
     axes.set_ylabel("right of it, km")
