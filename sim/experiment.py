@@ -25,6 +25,8 @@ from sim.flight.departures import with_departure_events
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Flight
 from sim.metrics.checks import evaluate_checks, unknown_names
+from sim.metrics.contrasts.pairing import contrasts_of_flight
+from sim.metrics.ensemble.contrasts import contrasts_over_flights
 from sim.metrics.ensemble.spread import summary
 from sim.metrics.ensemble.trackers import over_flights
 from sim.metrics.ensemble.verdict import CRASHED, refuse_unfit, verdicts, worst_first
@@ -165,6 +167,9 @@ def run(
         "flight": {**found.flight, "navigated": found.navigated},
         "flights_summary": summary(records),
         "trackers": found.trackers if len(records) == 1 else over_flights(records),
+        "contrasts": [*found.contrasts.values()]
+        if len(records) == 1
+        else contrasts_over_flights(scenario.contrasts, records),
         "checks": verdicts(checks, records),
         "warnings": [*told, *_about_study(scenario)] if flight is None else told,
     }
@@ -284,6 +289,7 @@ def recorded(prepared: Prepared, number: int, own: dict[str, Any] | None = None)
 def record_of(number: int, found: Evaluation) -> dict[str, Any]:
     """What is kept of a flight, as JSON holds it: its number, its figures, and what each check found."""
     figures = found.flight | ({"trackers": found.trackers, "navigated": found.navigated} if found.trackers else {})
+    figures |= {"contrasts": found.contrasts} if found.contrasts else {}
     if found.navigated is not None:  # the flight beside it is not its own
         figures["navigated"] = {key: value for key, value in found.navigated.items() if key != "on_truth"}
     record: dict[str, Any] = plain({"flight": number, "metrics": figures, "checks": found.checks})
@@ -302,6 +308,7 @@ class Evaluation(NamedTuple):
     tracks: dict[str, Tracked]
     flight: dict[str, Any]
     trackers: dict[str, Any]
+    contrasts: dict[str, Any]  # by pair
     navigated: dict[str, Any] | None
     checks: list[dict[str, Any]]
     timing: dict[str, float]
@@ -325,9 +332,11 @@ def evaluate(prepared: Prepared, flight: Flight, number: int = 0, own: dict[str,
     followed = tracks[name].track if name in tracks else None
     navigated = navigation_quality(prepared, flight, followed, trackers.get(name, {}))
     figures = flight_metrics(flight, scenario.runway, prepared.law.bank_limit, prepared.stall_speed)
-    every = {**figures, "navigated": navigated, "trackers": trackers}
+    squares = {name: one.squares for name, one in tracks.items() if one.squares is not None}
+    contrasts = contrasts_of_flight(scenario.contrasts, squares)
+    every = {**figures, "navigated": navigated, "trackers": trackers, "contrasts": contrasts}
     checks = evaluate_checks(scenario.checks, flight, scenario.runway, every)
-    return Evaluation(records, tracks, figures, trackers, navigated, checks, timing)
+    return Evaluation(records, tracks, figures, trackers, contrasts, navigated, checks, timing)
 
 
 def _until(flight: Flight, records: dict[str, SensorRecord]) -> dict[str, SensorRecord]:
