@@ -145,7 +145,7 @@ def _pages(scenario: Any, law: Any, metrics: dict[str, Any], flights: Iterable[S
             page["charts"] = _fitting(page["charts"], room)
             page["tracker_charts"] = _fitting(page["tracker_charts"], room - _size(page["charts"]))
             page["left_out"] = every - len(page["charts"]) - len(page["tracker_charts"])
-        room -= _size(page["charts"]) + _size(page["tracker_charts"])
+        room -= _size([*page["charts"], *page["tracker_charts"], *([page["contrast"]] if page["contrast"] else [])])
         room -= len(json.dumps(page["replay"]))
         yield page
         if room < ROOM or page.get("left_out"):

@@ -26,7 +26,8 @@ def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown]
     channel, rivals = _contest(trackers, followed)
     if not rivals:
         return ""
-    best, *others = sorted(rivals, key=lambda one: one.law_from == MISMATCHED)
+    best = next((one for one in rivals if one.law_from != MISMATCHED), rivals[0])
+    others = [one for one in rivals if one is not best]
     parts = [f"{_head(trackers, channel, best, rivals)}"]
     if others:
         parts.append(_behind(flight, channel, best, others))
@@ -88,12 +89,17 @@ def _behind(flight: Flight, channel: str, best: Shown, others: list[Shown]) -> s
     """Trackers as good as the best, and by how much and where the next one is worse."""
     ratios = {one.name: _ratio(channel, one, best) for one in others}
     alike = [words(one.name) for one in others if ratios[one.name][1]]
-    behind = [one for one in others if not ratios[one.name][1] and np.isfinite(ratios[one.name][0])]
+    told = [one for one in others if not ratios[one.name][1] and np.isfinite(ratios[one.name][0])]
+    behind = [one for one in told if ratios[one.name][0] > 1.0]
     parts = [f"{joined(alike)} {'is' if len(alike) == 1 else 'are'} as good within the noise"] if alike else []
     if behind:
         value = ratios[behind[0].name][0]
         where = _where(flight, channel, best, behind[0])
         parts.append(f"next is {words(behind[0].name)} with {number(value, 2)} times the error{where}")
+    for one in told:
+        if ratios[one.name][0] < 1.0:  # only what does not win although it errs less: a mismatched law
+            times = number(ratios[one.name][0], 2)
+            parts.append(f"yet {words(one.name)} has {times} times the error although its law is mismatched")
     return ", ".join(parts)
 
 
@@ -132,7 +138,6 @@ def _law(trackers: dict[str, Any], channel: str, best: Shown, others: list[Shown
         value, alike = _ratio(channel, twin, best)
         if alike:
             parts.append("which of the two laws it assumes makes no difference to it")
-        else:
-            anyway = ", so its model errs anyway" if value < 1.0 else ""
-            parts.append(f"with the mismatched law it has {number(value, 2)} times the error{anyway}")
+        elif value > 1.0:
+            parts.append(f"with the mismatched law it has {number(value, 2)} times the error")
     return parts

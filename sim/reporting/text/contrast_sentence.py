@@ -183,9 +183,13 @@ def _told(entry: Ratio) -> _Told:
         order = ("of", "against")
         ratio, low, high = 1.0 / ratio, high and 1.0 / high, low and 1.0 / low
     places = 0 if ratio >= 20.0 else 1 if ratio >= 2.0 else 2
+    if _known(low) and _known(high) and high - low < 2.0 * 10.0**-places:  # else the interval would look like a point
+        places += 1
     times = f"{number(float(ratio), places)} times"
+    if ratio == low == high == 1.0:
+        return _Told(order, "exactly the same")
     if not (_known(low) and _known(high)):
-        return _Told(order, "the same" if ratio == 1.0 else f"{times} as much in a single sample, which may be chance")
+        return _Told(order, f"{times} as much, which a single sample does not tell from chance")
     interval = f"{number(float(low), places)} to {number(float(high), places)}"
     if low <= 1.0 <= high:
         return _Told(order, f"no difference within the noise ({times}, {interval})")
@@ -226,6 +230,10 @@ def _untracked(metrics: dict[str, Any], way: Contrast) -> str:
     """Why a contrast has no ratio."""
     blind = [words(way[s]) for s in ("of", "against") if not metrics["trackers"].get(way[s], {}).get("overall")]
     pair = f"{words(way['of'])} and {words(way['against'])} cannot be compared"
-    if not blind:
-        return f"{pair}: they estimate nothing in common."
-    return f"{pair}: {joined(blind)} never saw the aircraft."
+    if blind:
+        return f"{pair}: {joined(blind)} never saw the aircraft."
+    found = next(iter(way["overall"].values()), None)
+    gone = [words(way[side]) for side in ("of", "against") if found is not None and not _known(found[side])]
+    if gone:
+        return f"{pair}: the errors of {joined(gone)} are beyond all numbers."
+    return f"{pair}: they estimate nothing in common."
