@@ -34,7 +34,7 @@ from sim.metrics.flight import flight_metrics
 from sim.metrics.navigation import navigation_quality
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
-from sim.reporting.text.warnings import warnings
+from sim.reporting.text.warnings import contrast_warnings, warnings
 from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.axes import samples
@@ -139,6 +139,8 @@ def run(
             refuse_unfit_run(scenario, trackers or {})
         else:
             scenario = drawn_for(scenario, flight, catalogue)
+            known = (*scenario.trackers, *(trackers or {}))
+            refuse_unfit(scenario.name, (), 1, known, contrasts=scenario.contrasts)
         prepared = prepare(scenario)
         check(prepared, trackers)
     if remark is not None:
@@ -153,9 +155,13 @@ def run(
     with timed(timing, "other_flights_s"):
         records += _others(prepared, numbers[len(records) :], trackers, workers, progress)
     before = _until(flown, found.records)
+    trackers_found, contrasts = found.trackers, [*found.contrasts.values()]
+    if len(records) > 1:
+        trackers_found, contrasts = over_flights(records), contrasts_over_flights(scenario.contrasts, records)
     told = [
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
+        *contrast_warnings(contrasts, trackers_found),
         *assumed_height.remarks(prepared, flown, before),
     ]
     metrics = {
@@ -166,10 +172,8 @@ def run(
         "versions": versions(digests(scenario.parts)),
         "flight": {**found.flight, "navigated": found.navigated},
         "flights_summary": summary(records),
-        "trackers": found.trackers if len(records) == 1 else over_flights(records),
-        "contrasts": [*found.contrasts.values()]
-        if len(records) == 1
-        else contrasts_over_flights(scenario.contrasts, records),
+        "trackers": trackers_found,
+        "contrasts": contrasts,
         "checks": verdicts(checks, records),
         "warnings": [*told, *_about_study(scenario)] if flight is None else told,
     }
@@ -181,7 +185,8 @@ def run(
 def refuse_unfit_run(scenario: Scenario, own: Iterable[str] = ()) -> None:
     """Raise ``ScenarioError`` for checks that the flights of a run cannot answer; ``own`` are the caller's trackers."""
     more = "" if scenario.study is None else "; 'study' flies its [study]"
-    refuse_unfit(scenario.name, scenario.checks, scenario.repetitions, (*scenario.trackers, *own), more)
+    known = (*scenario.trackers, *own)
+    refuse_unfit(scenario.name, scenario.checks, scenario.repetitions, known, more, scenario.contrasts)
 
 
 def _about_study(scenario: Scenario) -> list[str]:

@@ -12,6 +12,7 @@ from sim.reporting.text.broken_checks import broken_checks
 
 MOST_REASONS = 3  # of flights that crashed, or were refused
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
+AHEAD = "position_m"  # what a look-ahead is about
 
 
 def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = (), contrasted: Sequence[str] = ()) -> str:
@@ -38,6 +39,8 @@ def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = (), contr
     if rows:
         header = ["tracker", "channel", "rmse", "raw", "gain"]
         lines += ["", *table([header, *([*row[:2], *map(_number, row[2:])] for row in rows)], 2)]
+    if any(one["overall"] for one in metrics.get("contrasts", ())):
+        lines += ["", *_contrasts(metrics["contrasts"])]
     twin = beside(flight)
     if twin:
         header = ["beside the same approach", "on the estimate", "on the truth"]
@@ -56,6 +59,24 @@ def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = (), contr
 
 def _ended(outcomes: dict[str, int]) -> str:
     return ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
+
+
+def _contrasts(contrasts: list[dict[str, Any]]) -> list[str]:
+    """How many times the errors of one tracker are those of another, as an aligned table; interval 95 %."""
+    rows = [["RMSE of", "over that of", "", "ratio", "from", "to"]]
+    for one in contrasts:
+        found = {f"{channel}": figure for channel, figure in one["overall"].items() if channel in SHOWN} or one[
+            "overall"
+        ]
+        found |= {
+            f"{channel}, {span.removesuffix('_s')} s ahead": figure
+            for span, by_channel in one["look_ahead"].items()
+            for channel, figure in by_channel.items()
+            if channel == AHEAD
+        }
+        pair = [f"{one['of']}{', ' + one['name'] if one['name'] else ''}", one["against"]]
+        rows += [[*pair, what, *(_number(f[key]) for key in ("ratio", "low", "high"))] for what, f in found.items()]
+    return table(rows, 3)
 
 
 def _checks(checks: list[dict[str, Any]], several: bool) -> list[str]:

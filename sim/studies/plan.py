@@ -65,7 +65,8 @@ def plan(scenario: Scenario, plugins: Any = ()) -> Study:
     if faults:
         raise ScenarioError("\n".join(f"{scenario.name}: {fault}" for fault in faults))
     planned = Study(scenario, table, axes, cells(axes), samples(axes, table.samples, scenario.seed), parts)
-    refuse_unfit(scenario.name, scenario.checks, scenario.flights * table.samples, scenario.trackers)
+    size = scenario.flights * table.samples
+    refuse_unfit(scenario.name, scenario.checks, size, scenario.trackers, contrasts=scenario.contrasts)
     return planned
 
 
