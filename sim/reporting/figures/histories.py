@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 
 from autopilot.mode import Mode
-from sim.flight.law_limits import BANK, acting_limits
 from sim.flight.record import Flight
 from sim.metrics.figures import GLIDE_CAPTURE
 from sim.metrics.signals import height_error
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase, over_time, pad, phase_strip
-from sim.reporting.figures.deviations import COMPONENTS
+from sim.reporting.figures.deviations import BANK, COMPONENTS, acting_limits
 from sim.reporting.figures.thinning import where
 from sim.scenario.tables import Runway
 

@@ -75,7 +75,10 @@ def _closest(ways: Sequence[Contrast]) -> Contrast | None:
 def lines(
     metrics: dict[str, Any], ways: Sequence[Contrast], lost: dict[str, Loss], parted: Apart | None = None
 ) -> list[str]:
-    """What is said of one pair of kinds of trackers, which may be set up in several ways."""
+    """What is said of one pair of kinds of trackers, which may be set up in several ways.
+
+    Ways without a ratio are left out: the warnings of the run say of each why it has none.
+    """
     names = _names(metrics, ways)
     able = [way for way in ways if _overall(way)[1] is not None]
     over = f"over {metrics['flights']} flights" if metrics.get("flights", 1) > 1 else ""
@@ -87,7 +90,6 @@ def lines(
     if able:
         told.append(_measured(f"{over or 'over the whole flight'}", able, names, _overall))
         told.append(" ".join(map(_capital, (*_who_is_lost(metrics, able, lost, parted), EXPLAINED))))
-    told += [_untracked(metrics, way) for way in ways if way not in able]
     return [_capital(line) for line in told if line]
 
 
@@ -224,16 +226,3 @@ def _loss(metrics: dict[str, Any], name: str, share: float, found: Loss | None) 
         return f"{words(name)} is lost {draws}{of_all}{', not on this flight' if several else ''}."
     when = f"{here} at {found.time:.0f} s, astray since {found.astray:.0f} s ({found.phase}): {found.cause}"
     return f"{words(name)} is lost {draws}{of_all}{', ' if draws else ''}{when}."
-
-
-def _untracked(metrics: dict[str, Any], way: Contrast) -> str:
-    """Why a contrast has no ratio."""
-    blind = [words(way[s]) for s in ("of", "against") if not metrics["trackers"].get(way[s], {}).get("overall")]
-    pair = f"{words(way['of'])} and {words(way['against'])} cannot be compared"
-    if blind:
-        return f"{pair}: {joined(blind)} never saw the aircraft."
-    found = next(iter(way["overall"].values()), None)
-    gone = [words(way[side]) for side in ("of", "against") if found is not None and not _known(found[side])]
-    if gone:
-        return f"{pair}: the errors of {joined(gone)} are beyond all numbers."
-    return f"{pair}: they estimate nothing in common."

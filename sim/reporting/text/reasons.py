@@ -11,9 +11,9 @@ import numpy as np
 
 from autopilot.mode import Mode
 from sim.flight.departures import in_words
-from sim.flight.law_limits import acting_limits
 from sim.flight.record import Flight
 from sim.metrics.conformance import MISMATCHED
+from sim.reporting.figures.deviations import acting_limits
 from sim.reporting.text.labels import joined, number, words
 from sim.reporting.tracker_figures.error_curves import FIRST
 from sim.reporting.tracker_figures.parting import Parting, parting
