@@ -82,7 +82,8 @@ Data
 - `Tracked` - one tracker, its record and what that had wrong (sim.estimation.tracking_run)
     - ``tracker``, as it was set up; ``law_from`` - origin of the law it assumes, None = none known; ``measurements``
       that it was given; ``track``; ``curves`` - its errors over time, for figures (sim.metrics.error_curves);
-      ``rollout`` - its Track after the landing, or None
+      ``rollout`` - its Track after the landing, or None; ``squares`` - its squared errors by time where the scenario
+      contrasts it (sim.metrics.contrasts), or None
 - `Result` - what a run found out (sim.result)
     - ``prepared``, ``scenario``; ``metrics`` - as in metrics.json, of all flights; ``broken`` - a sentence for each
       check that failed; ``timing`` s; ``own`` - trackers that the caller brought

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,13 @@ from sim.flight.interpolation import truth_at
 from sim.flight.record import Flight
 from sim.metrics import comparison
 from sim.metrics.contrasts.squares import Squares
+from sim.observation.record import SensorRecord
 from tracking.gaussian import Mixture, merge
 from tracking.track import Epoch, believed, stepped
 from tracking.tree import narrowed, side_by_side
 
 SPANS = (20.0, 60.0, 120.0)  # s
-INSTANTS = 12  # from which is looked ahead, evenly over the flight
+INSTANTS = 12  # from which is looked ahead
 DRAWS = 16  # of the ensemble that look ahead; their spread over draws is far smaller than over instants
 
 
@@ -24,39 +26,52 @@ Looks = dict[str, dict[str, Squares]]
 """Squared errors of one tracker's predictions by span and channel, at the instants from which was looked ahead."""
 
 
-def instants_of(flight: Flight) -> np.ndarray:
-    """When is looked ahead, s: at the same instants by every tracker of a flight, whatever it listens to."""
+def instants_of(flight: Flight, records: dict[str, SensorRecord]) -> np.ndarray:
+    """When is looked ahead, s: evenly over the flight, and where sensors keep step when all of them deliver.
+
+    So trackers with different sensors look from the same instants. Where the sensors do not keep step, each tracker
+    looks from its own last epoch before.
+    """
     first, last = float(flight.time[0]), float(flight.time[-1]) - SPANS[0]
-    return np.linspace(first, last, INSTANTS + 1)[1:] if last > first else np.zeros(0)
+    if last <= first:
+        return np.zeros(0)
+    even = np.linspace(first, last, INSTANTS + 1)[1:]
+    together = functools.reduce(np.intersect1d, (record.arrival for record in records.values()))
+    if not len(together):
+        return even
+    found = np.unique(together[np.maximum(np.searchsorted(together, even, side="right") - 1, 0)])
+    return found if len(found) == len(even) else even
 
 
 class LookAhead:
-    """Watches batched trackers, keeps what they know at some instants and predicts from all of them at once."""
+    """Watches batched trackers, keeps their state at a few epochs and predicts from all of them at once."""
 
-    def __init__(self, trackers: list[Any], flight: Flight, epochs: np.ndarray, sensors: dict[str, Any]) -> None:
+    def __init__(
+        self,
+        trackers: list[Any],
+        flight: Flight,
+        instants: np.ndarray,
+        epochs: np.ndarray,
+        sensors: dict[str, Any],
+    ) -> None:
         self.trackers, self.flight, self.sensors = trackers, flight, sensors
-        instants = instants_of(flight)
-        # not at once when it begins: that would be a prediction of the prior
-        begun = instants >= epochs[0] + 0.5 * (instants[1] - instants[0]) if len(instants) and len(epochs) else []
-        self.wanted: dict[float, list[float]] = {}  # instants by the last epoch before
-        for instant in instants[begun].tolist():
-            last = float(epochs[np.searchsorted(epochs, instant, side="right") - 1])
-            self.wanted.setdefault(last, []).append(instant)
-        self.kept: dict[float, Any] = {}  # state of some draws of every tracker at an instant
+        self.wanted: set[float] = set()  # the last epoch before each instant
+        if len(instants) and len(epochs):
+            # not at once when a track begins: that would be a prediction of the prior
+            begun = instants[instants >= epochs[0] + 0.5 * (instants[-1] - instants[0]) / INSTANTS]
+            self.wanted.update(epochs[np.searchsorted(epochs, begun, side="right") - 1].tolist())
+        self.kept: dict[float, Any] = {}  # state of some draws of every tracker by epoch
         self.draws = DRAWS  # of each tracker
 
     def __call__(self, epoch: Epoch) -> None:
-        """Keep the state at the instants before the next epoch; of epochs at one time the last counts."""
-        for instant in self.wanted.get(epoch.time, ()):
-            runs = np.shape(epoch.estimate.mean)[-1]
-            own = runs // len(self.trackers)
-            self.draws = min(own, DRAWS)
-            rows = np.add.outer(own * np.arange(len(self.trackers)), np.arange(self.draws)).ravel()
-            state = narrowed(epoch.state, runs, rows)
-            if instant > epoch.time:
-                with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-                    state, _ = stepped(stack_laws(self.trackers, self.draws), state, instant - epoch.time)
-            self.kept[instant] = state
+        """Keep the state of an epoch if it is one of those chosen; of several at one time, the last."""
+        if epoch.time not in self.wanted:
+            return
+        runs = np.shape(epoch.estimate.mean)[-1]
+        own = runs // len(self.trackers)
+        self.draws = min(own, DRAWS)
+        rows = np.add.outer(own * np.arange(len(self.trackers)), np.arange(self.draws)).ravel()
+        self.kept[epoch.time] = narrowed(epoch.state, runs, rows)
 
     def looks(self) -> list[Looks]:
         """Squared errors of each tracker; only of what was to come within the flight."""

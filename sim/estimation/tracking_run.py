@@ -10,7 +10,7 @@ import numpy as np
 
 from sim.errors import ScenarioError
 from sim.estimation.batching import can_batch, repeat_runs, split_track, stack_laws
-from sim.estimation.look_ahead import LookAhead, Looks, look_ahead_rmse
+from sim.estimation.look_ahead import LookAhead, Looks, instants_of, look_ahead_rmse
 from sim.estimation.prior import prior
 from sim.estimation.setup import adopt, build, height_profile, listened
 from sim.flight.outcomes import ROLLOUT
@@ -151,7 +151,7 @@ def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Ou
     begun = _prior(watch, first.name, first.tracker, first.start)
     sensors = {name: watch.prepared.scenario.sensors[name] for name in first.sensors}
     trackers = [entry.tracker for entry in group]
-    ahead = LookAhead(trackers, flight, record.arrival, sensors)
+    ahead = LookAhead(trackers, flight, instants_of(flight, watch.records), record.arrival, sensors)
     one = stack_laws(trackers, record.z.shape[2])
     try:
         made = run_tracker(one, *repeat_runs(record, begun, len(group)), first.start, ahead)

@@ -158,12 +158,12 @@ def refuse_unfit(
 
 
 def _strangers(contrasts: Sequence[Contrast], trackers: Sequence[str]) -> list[str]:
-    """Faults of contrasts that name a tracker that there is not."""
+    """Faults of contrasts that name a tracker that there is not; where nobody tracks, there is a warning in the end."""
     return [
         f"[[contrasts]] entry {number} {side}: no tracker '{name}'; {did_you_mean(name, trackers)}"
         for number, one in enumerate(contrasts)
         for side, name in (("of", one.of), ("against", one.against))
-        if name not in trackers
+        if trackers and name not in trackers
     ]
 
 
