@@ -85,8 +85,9 @@ Data
       ``rollout`` - its Track after the landing, or None; ``squares`` - its squared errors by time where the scenario
       contrasts it (sim.metrics.contrasts), or None
 - `Result` - what a run found out (sim.result)
-    - ``prepared``, ``scenario``; ``metrics`` - as in metrics.json, of all flights; ``broken`` - a sentence for each
-      check that failed; ``timing`` s; ``own`` - trackers that the caller brought
+    - ``prepared``, ``scenario``; ``metrics`` - as in metrics.json, of all flights; ``contrasted`` - sentences about
+      each pair of trackers that are set against each other; ``broken`` - one for each check that failed; ``timing`` s;
+      ``own`` - trackers that the caller brought
     - of one flight, the first or the only one, everything: its ``number``; ``flight``; ``records`` and ``tracks`` -
       SensorRecord and Tracked by name. ``sim.run(..., flight=3)`` has another
 

@@ -14,7 +14,7 @@ from sim.reporting.tracker_figures.error_curves import FIRST
 SPAN = "60_s"  # of the look-ahead that is told, where the contrast has it
 OFF = {"position_m": "off by", "cross_track_m": "off across track by", "height_m": "off in height by"}
 
-EXPLAINED = "Errors are root mean squares, intervals of 95 %."
+ERRORS, INTERVALS = "Errors are root mean squares", ", intervals of 95 %"
 
 Contrast = dict[str, Any]  # as in metrics.json
 Ratio = dict[str, Any]  # of one channel: ratio, low, high, n, of, against
@@ -89,7 +89,9 @@ def lines(
     ]
     if able:
         told.append(_measured(f"{over or 'over the whole flight'}", able, names, _overall))
-        told.append(" ".join(map(_capital, (*_who_is_lost(metrics, able, lost, parted), EXPLAINED))))
+        known = [entry["low"] for way in able if (entry := _overall(way)[1]) is not None]
+        explained = f"{ERRORS}{INTERVALS if any(map(_known, known)) else ''}."
+        told.append(" ".join(map(_capital, (*_who_is_lost(metrics, able, lost, parted), explained))))
     return [_capital(line) for line in told if line]
 
 

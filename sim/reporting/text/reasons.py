@@ -90,7 +90,8 @@ def cause(flown: Flown, name: str, since: float, until: float) -> str:
     """What acted on the aircraft between two instants, s, that a tracker may not know: a clause.
 
     Another law than the tracker assumes, else a bank that does not follow the law, else limits of the law, else a turn
-    that the tracker flies too early. Of a tracker that assumes no law: the turn or the change of speed.
+    that the tracker flies too early, else a change of speed. Of a tracker that assumes no law: the turn, else the
+    change of speed.
     """
     scenario, law, flight, tracked = flown
     law_from = tracked[name].law_from
@@ -116,6 +117,9 @@ def cause(flown: Flown, name: str, since: float, until: float) -> str:
         return f"the law is at its {joined(limits)} limit{'s' if limits[1:] else ''} there"
     if _turns_early(flown, tracked[name].track, since, until):
         return "its estimate turns onto the next leg before the aircraft does"
+    changing = _change_of_speed(flight, during)
+    if changing:
+        return f"the law is flown there within its limits, but {changing}"
     return "the law is flown there within its limits, so its model errs otherwise"
 
 
@@ -136,11 +140,15 @@ def _manoeuvre(flight: Flight, during: np.ndarray) -> str:
     bank = float(np.max(np.abs(flight.state.bank[during])))
     if bank > BANKED:
         return f"the aircraft turns there, banked up to {number(float(np.degrees(bank)), 0)} deg"
+    return _change_of_speed(flight, during) or "the aircraft flies straight there at a steady speed"
+
+
+def _change_of_speed(flight: Flight, during: np.ndarray) -> str:
     speed, time = flight.state.ground_speed[during], flight.time[during]
     change = float(speed[-1] - speed[0]) / max(float(time[-1] - time[0]), 1e-6)
-    if abs(change) > CHANGING:
-        return f"the aircraft {'slows down' if change < 0.0 else 'speeds up'} there at {number(abs(change), 1)} m/s²"
-    return "the aircraft flies straight there at a steady speed"
+    if abs(change) <= CHANGING:
+        return ""
+    return f"the aircraft {'slows down' if change < 0.0 else 'speeds up'} there at {number(abs(change), 1)} m/s²"
 
 
 def _phase(flight: Flight, time: float) -> str:

@@ -16,7 +16,7 @@ from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route import Leg, Route
 from sim.cli.run_summary import summary
 from sim.reporting.replay import LEAD, replay
-from sim.reporting.text.contrast_sentence import EXPLAINED, contrast_sentences, first_contrast
+from sim.reporting.text.contrast_sentence import ERRORS, INTERVALS, contrast_sentences, first_contrast
 from sim.reporting.text.reasons import Flown, apart, cause, loss
 from sim.reporting.tracker_figures.charts import contrast_chart
 from sim.reporting.tracker_figures.contrast_map import contrast_map
@@ -78,7 +78,7 @@ def test_the_look_ahead_leads_and_both_errors_stand_beside_their_ratio(nothing):
         "Over the whole flight saturated control is off by 37.0 m and linear feedback by 123 m, "
         "3.3 times as much (3.1 to 3.5)."
     )
-    assert lost == f"Neither is ever lost. {EXPLAINED}"
+    assert lost == f"Neither is ever lost. {ERRORS}{INTERVALS}."
 
 
 def test_two_ways_to_set_up_a_pair_are_told_together(nothing):
@@ -93,7 +93,7 @@ def test_two_ways_to_set_up_a_pair_are_told_together(nothing):
         "Over the whole flight, as published, saturated control is off by 36.2 m and linear feedback by 1050 m, "
         "29 times as much (27 to 31); each at its best, by 37.0 m and 123 m, 3.3 times as much (3.1 to 3.5)."
     )
-    assert told[2] == f"None of them is ever lost. {EXPLAINED}"
+    assert told[2] == f"None of them is ever lost. {ERRORS}{INTERVALS}."
 
 
 def test_a_way_in_which_the_other_is_better_names_both_again(nothing):
@@ -235,6 +235,8 @@ def test_what_a_tracker_without_a_law_does_not_hold(make_flight):
     assert said(bank=np.full(len(TIME), np.radians(-14.6))) == "the aircraft turns there, banked up to 15 deg"
     assert said(velocity_north=70.0 - 0.5 * TIME) == "the aircraft slows down there at 0.5 m/s²"
     assert said(velocity_north=70.0 + 0.4 * TIME) == "the aircraft speeds up there at 0.4 m/s²"
+    held = flown(make_flight, velocity_north=70.0 - 0.5 * TIME)
+    assert cause(held, "one", 10.0, 20.0).endswith("within its limits, but the aircraft slows down there at 0.5 m/s²")
     assert said() == "the aircraft flies straight there at a steady speed"
 
 
