@@ -338,9 +338,7 @@ class Contrast:
     def __post_init__(self) -> None:
         _one_line(self, f"contrast of '{self.of}'", "name")
         if self.of == self.against:
-            raise ValueError(
-                f"a contrast needs two trackers, and '{self.of}' is one; give the second a name of its own"
-            )
+            raise ValueError(f"a contrast needs two trackers, and '{self.of}' is one: give the other its own name")
 
     @property
     def pair(self) -> str:

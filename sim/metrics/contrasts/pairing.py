@@ -49,14 +49,11 @@ def figure(of: np.ndarray, against: np.ndarray) -> dict[str, float | int | None]
 
     Two that err alike in each of them are equal: exactly 1, from 1 to 1. What there is no finite number for is None.
     """
-    if np.isfinite(of).all() and np.array_equal(of, against):
-        ratio = low = high = 1.0
-    elif np.isfinite(of).all() and np.isfinite(against).all():
-        ratio, low, high, _ = gain(of, against)
-    else:
-        ratio = low = high = math.nan
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):  # a lost track is a result
         roots = [float(np.sqrt(np.mean(squares))) for squares in (of, against)]
+    ratio = low = high = math.nan
+    if all(map(math.isfinite, roots)):
+        ratio, low, high = (1.0, 1.0, 1.0) if np.array_equal(of, against) else gain(of, against)[:3]
     named = {"ratio": ratio, "low": low, "high": high, "of": roots[0], "against": roots[1]}
     return {**{name: value if math.isfinite(value) else None for name, value in named.items()}, "n": len(of)}
 
