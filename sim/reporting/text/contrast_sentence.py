@@ -219,12 +219,13 @@ def _who_is_lost(
 
 def _loss(metrics: dict[str, Any], name: str, share: float, found: Loss | None) -> str:
     several = metrics.get("flights", 1) > 1
+    only = not several and metrics.get("draws", 1) == 1
     draws = f"in {number(100.0 * share, 0 if share > 0.1 else 1)} % of the draws"
     if share == 1.0:
-        draws = "in every draw" if metrics.get("draws", 1) > 1 else ""
+        draws = "" if only else "in every draw"
     of_all = f" of all {metrics['flights']} flights" if several else ""
-    here = "on this flight first" if several else "first"
+    here = "on this flight first at" if several else "at" if only else "first at"
     if found is None:
         return f"{words(name)} is lost {draws}{of_all}{', not on this flight' if several else ''}."
-    when = f"{here} at {found.time:.0f} s, astray since {found.astray:.0f} s ({found.phase}): {found.cause}"
+    when = f"{here} {found.time:.0f} s, astray since {found.astray:.0f} s ({found.phase}): {found.cause}"
     return f"{words(name)} is lost {draws}{of_all}{', ' if draws else ''}{when}."

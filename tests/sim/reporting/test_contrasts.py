@@ -257,6 +257,10 @@ def test_a_loss_is_told_with_the_first_look_that_counts_for_it(make_flight):
         f"Linear feedback is lost in every draw, first at {found.time:.0f} s, astray since {found.astray:.0f} s "
         "(final): the law is at its bank and cross-track limits there. Saturated control is never lost."
     )
+    alone = contrast_sentences({**pair, "draws": 1}, named, {FEEDBACK: {"lost_time_s": found.time}})[-1]
+    assert alone.startswith(f"Linear feedback is lost at {found.time:.0f} s, astray since")
+    several = contrast_sentences({**pair, "flights": 4}, named, {FEEDBACK: {"lost_time_s": found.time}})[-1]
+    assert f"lost in every draw of all 4 flights, on this flight first at {found.time:.0f} s, astray" in several
 
 
 # ------------------------------------------------------------------------------------------------- where they part
