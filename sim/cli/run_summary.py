@@ -65,17 +65,12 @@ def _contrasts(contrasts: list[dict[str, Any]]) -> list[str]:
     """How many times the errors of one tracker are those of another, as an aligned table; interval 95 %."""
     rows = [["RMSE of", "over that of", "", "ratio", "from", "to"]]
     for one in contrasts:
-        found = {f"{channel}": figure for channel, figure in one["overall"].items() if channel in SHOWN} or one[
-            "overall"
+        pair = [one["of"] + (f", {one['name']}" if one["name"] else ""), one["against"]]
+        found = [
+            *((c, figure) for c, figure in one["overall"].items() if c in SHOWN or not SHOWN & set(one["overall"])),
+            *((f"{AHEAD}, {span.removesuffix('_s')} s ahead", by.get(AHEAD)) for span, by in one["look_ahead"].items()),
         ]
-        found |= {
-            f"{channel}, {span.removesuffix('_s')} s ahead": figure
-            for span, by_channel in one["look_ahead"].items()
-            for channel, figure in by_channel.items()
-            if channel == AHEAD
-        }
-        pair = [f"{one['of']}{', ' + one['name'] if one['name'] else ''}", one["against"]]
-        rows += [[*pair, what, *(_number(f[key]) for key in ("ratio", "low", "high"))] for what, f in found.items()]
+        rows += [[*pair, what, *(_number(f[key]) for key in ("ratio", "low", "high"))] for what, f in found if f]
     return table(rows, 3)
 
 
