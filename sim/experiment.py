@@ -25,6 +25,8 @@ from sim.flight.departures import with_departure_events
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Flight
 from sim.metrics.checks import evaluate_checks, unknown_names
+from sim.metrics.contrasts.pairing import contrasts_of_flight
+from sim.metrics.ensemble.contrasts import contrasts_over_flights
 from sim.metrics.ensemble.spread import summary
 from sim.metrics.ensemble.trackers import over_flights
 from sim.metrics.ensemble.verdict import CRASHED, refuse_unfit, verdicts, worst_first
@@ -33,7 +35,7 @@ from sim.metrics.navigation import navigation_quality
 from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
-from sim.reporting.text.warnings import warnings
+from sim.reporting.text.warnings import contrast_warnings, warnings
 from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.axes import samples
@@ -138,6 +140,8 @@ def run(
             refuse_unfit_run(scenario, trackers or {})
         else:
             scenario = drawn_for(scenario, flight, catalogue)
+            known = (*scenario.trackers, *(trackers or {}))
+            refuse_unfit(scenario.name, (), 1, known, contrasts=scenario.contrasts)
         prepared = prepare(scenario)
         check(prepared, trackers)
     if remark is not None:
@@ -152,9 +156,13 @@ def run(
     with timed(timing, "other_flights_s"):
         records += _others(prepared, numbers[len(records) :], trackers, workers, progress)
     before = _until(flown, found.records)
+    trackers_found, contrasts = found.trackers, [*found.contrasts.values()]
+    if len(records) > 1:
+        trackers_found, contrasts = over_flights(records), contrasts_over_flights(scenario.contrasts, records)
     told = [
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
+        *contrast_warnings(contrasts, trackers_found),
         *assumed_height.remarks(prepared, flown, before),
     ]
     metrics = {
@@ -165,7 +173,8 @@ def run(
         "versions": versions(digests(scenario.parts)),
         "flight": {**found.flight, "navigated": found.navigated},
         "flights_summary": summary(records),
-        "trackers": found.trackers if len(records) == 1 else over_flights(records),
+        "trackers": trackers_found,
+        "contrasts": contrasts,
         "checks": verdicts(checks, records),
         "warnings": [*told, *_about_study(scenario)] if flight is None else told,
     }
@@ -177,7 +186,8 @@ def run(
 def refuse_unfit_run(scenario: Scenario, own: Iterable[str] = ()) -> None:
     """Raise ``ScenarioError`` for checks that the flights of a run cannot answer; ``own`` are the caller's trackers."""
     more = "" if scenario.study is None else "; 'study' flies its [study]"
-    refuse_unfit(scenario.name, scenario.checks, scenario.repetitions, (*scenario.trackers, *own), more)
+    known = (*scenario.trackers, *own)
+    refuse_unfit(scenario.name, scenario.checks, scenario.repetitions, known, more, scenario.contrasts)
 
 
 def _about_study(scenario: Scenario) -> list[str]:
@@ -285,6 +295,7 @@ def recorded(prepared: Prepared, number: int, own: dict[str, Any] | None = None)
 def record_of(number: int, found: Evaluation) -> dict[str, Any]:
     """What is kept of a flight, as JSON holds it: its number, its figures, and what each check found."""
     figures = found.flight | ({"trackers": found.trackers, "navigated": found.navigated} if found.trackers else {})
+    figures |= {"contrasts": found.contrasts} if found.contrasts else {}
     if found.navigated is not None:  # the flight beside it is not its own
         figures["navigated"] = {key: value for key, value in found.navigated.items() if key != "on_truth"}
     record: dict[str, Any] = plain({"flight": number, "metrics": figures, "checks": found.checks})
@@ -303,6 +314,7 @@ class Evaluation(NamedTuple):
     tracks: dict[str, Tracked]
     flight: dict[str, Any]
     trackers: dict[str, Any]
+    contrasts: dict[str, Any]  # by pair
     navigated: dict[str, Any] | None
     checks: list[dict[str, Any]]
     timing: dict[str, float]
@@ -326,9 +338,11 @@ def evaluate(prepared: Prepared, flight: Flight, number: int = 0, own: dict[str,
     followed = tracks[name].track if name in tracks else None
     navigated = navigation_quality(prepared, flight, followed, trackers.get(name, {}))
     figures = flight_metrics(flight, scenario.runway, prepared.law.bank_limit, prepared.stall_speed)
-    every = {**figures, "navigated": navigated, "trackers": trackers}
+    squares = {name: one.squares for name, one in tracks.items() if one.squares is not None}
+    contrasts = contrasts_of_flight(scenario.contrasts, squares)
+    every = {**figures, "navigated": navigated, "trackers": trackers, "contrasts": contrasts}
     checks = evaluate_checks(scenario.checks, flight, scenario.runway, every)
-    return Evaluation(records, tracks, figures, trackers, navigated, checks, timing)
+    return Evaluation(records, tracks, figures, trackers, contrasts, navigated, checks, timing)
 
 
 def _until(flight: Flight, records: dict[str, SensorRecord]) -> dict[str, SensorRecord]:

@@ -79,7 +79,7 @@ def run(
         from sim.reporting.text.broken_checks import run_again
 
         again = run_again(folder / "scenario.toml", plugins or ())
-        typer.echo(summary(result.metrics, again, result.prepared.warnings))
+        typer.echo(summary(result.metrics, again, result.prepared.warnings, result.contrasted))
         typer.echo(f"report: {folder / 'report.html'}")
     raise typer.Exit(_exit_code(result.metrics))
 

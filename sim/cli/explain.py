@@ -53,6 +53,10 @@ def explain(scenario: Scenario) -> str:
         rows = [("tracker", "kind", "listens to")]
         rows += [(name, one.kind, ", ".join(one.sensors)) for name, one in scenario.trackers.items()]
         parts.append("\n".join(table(rows, 3)))
+    if scenario.contrasts:
+        rows = [("contrast of", "against", "called")]
+        rows += [(one.of, one.against, one.name or "-") for one in scenario.contrasts]
+        parts.append("\n".join(table(rows, 3)))
     if scenario.checks:
         rows = [("check", "during", "limit", "source")]
         rows += [(c.name or c.metric, _during(c.during), _limits(c), c.source) for c in scenario.checks]

@@ -13,6 +13,7 @@ from sim.scenario.tables import (
     AircraftChoice,
     AutopilotTable,
     Check,
+    Contrast,
     Departure,
     Route,
     Runway,
@@ -60,6 +61,7 @@ class Scenario:
     trackers: dict[str, TrackerChoice]
     departures: tuple[Departure, ...]
     sensor_faults: tuple[SensorFault, ...]
+    contrasts: tuple[Contrast, ...]
     checks: tuple[Check, ...]
     study: StudyTable | None
     tables: dict[str, Any] = field(repr=False)  # the resolved file

@@ -29,11 +29,11 @@ def _within(instance: Any, low: float, high: float, unit: str, *names: str) -> N
             raise ValueError(f"{name.rstrip('_')} must lie within {low:g} and {high:g} {unit}")
 
 
-def _one_line(instance: Any, *names: str) -> None:
+def _one_line(instance: Any, about: str, *names: str) -> None:
     """Refuse texts that would move the cursor of a terminal, or turn the writing round."""
     for name in names:
         if any(unicodedata.category(letter) in ("Cc", "Cf") for letter in getattr(instance, name) or ""):
-            raise ValueError(f"the {name} of the check of '{instance.metric}' must be plain text on one line")
+            raise ValueError(f"the {name} of the {about} must be plain text on one line")
 
 
 @dataclass(frozen=True)
@@ -301,7 +301,7 @@ class Check:
     source: str = ""
 
     def __post_init__(self) -> None:
-        _one_line(self, "name", "source")
+        _one_line(self, f"check of '{self.metric}'", "name", "source")
         for name in ("share", "confidence", "probability_max"):
             value = getattr(self, name)
             if value is not None and not 0 < value < 1:
@@ -326,6 +326,25 @@ class Check:
     def required_share(self) -> float | None:
         """The share of flights that must keep it; None = every flight."""
         return self.share if self.probability_max is None else 1.0 - self.probability_max
+
+
+@dataclass(frozen=True)
+class Contrast:
+    """Two trackers that are set against each other: by how much the errors of one exceed those of the other."""
+
+    of: str
+    against: str
+    name: str | None = None  # a label, such as "each at its best"
+
+    def __post_init__(self) -> None:
+        _one_line(self, f"contrast of '{self.of}'", "name")
+        if self.of == self.against:
+            raise ValueError(f"a contrast needs two trackers, and '{self.of}' is one: give the other its own name")
+
+    @property
+    def pair(self) -> str:
+        """What checks call it."""
+        return f"{self.of}/{self.against}"
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,13 @@ from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart
 from sim.reporting.text.labels import words
 from sim.reporting.tracker_figures.conformance_strip import alert_strip
+from sim.reporting.tracker_figures.contrast_map import contrast_map, drawn
 from sim.reporting.tracker_figures.error_curves import Shown
 from sim.reporting.tracker_figures.estimate_map import estimate_map
 from sim.reporting.tracker_figures.model_probabilities import anomaly_strip, model_probabilities
 from sim.reporting.tracker_figures.monitor_strip import monitor_strip
 from sim.reporting.tracker_figures.operating_curves import drawn_curves
+from sim.reporting.tracker_figures.parting import Parting
 from sim.reporting.tracker_figures.path_bound import path_bound
 from sim.reporting.tracker_figures.tracking_errors import (
     consistency_over_time,
@@ -35,6 +37,36 @@ from tracking.monitor import MONITOR
 MOST_CURVES = 4  # trackers whose delays are drawn over their false alarms
 
 
+def contrast_chart(
+    flight: Flight, contrast: dict[str, Any], followed: list[Shown], parted: Parting | None
+) -> Chart | None:
+    """Two trackers where they part; None where one of them knows no place. ``contrast`` as in metrics.json."""
+    known = {one.name: one for one in followed}
+    if not {contrast["of"], contrast["against"]} <= {*known}:
+        return None
+    pair = known[contrast["of"]], known[contrast["against"]]
+    found = contrast_map(flight, pair, parted)
+    if found is None:
+        return None
+    names = [one.name for one in found.believed]
+    way = f" ({contrast['name']})" if contrast.get("name") else ""
+    title = f"{names[0]} against {names[1]}{way}"
+    begin, end = found.time
+    caption = (
+        f"From {begin:.0f} s to {end:.0f} s, draw 0: thin lines join where the aircraft is and where a tracker "
+        "believes it at the same instant; the route is dashed. "
+    )
+    if parted is not None:
+        caption += (
+            f"They part at {parted.start:.0f} s: from there one errs {parted.factor:g} times the other, over all draws."
+        )
+    else:
+        caption += "They do not part: nowhere does one err half as much again as the other for 10 s on end."
+    keys = (("flown", style.BLACK, False), *_keys(list(pair)))
+    with style.drawing():
+        return Chart(title[0].upper() + title[1:], style.data_uri(drawn(found)), caption, keys)
+
+
 def error_charts(
     scenario: Any,
     flight: Flight,
@@ -47,7 +79,7 @@ def error_charts(
     if not followed:
         return []
     drawn: list[Chart] = []
-    keys = tuple((words(one.name), one.look["color"], one.look["dashes"] != style.SOLID) for one in followed)
+    keys = _keys(followed)
 
     def add(title: str, figure: Any, caption: str, keys: tuple[tuple[str, str, bool], ...] = keys) -> None:
         if figure is not None:
@@ -109,6 +141,10 @@ def error_charts(
             "Root mean square error of the place that was predicted so many seconds ahead.",
         )
     return drawn
+
+
+def _keys(followed: list[Shown]) -> tuple[tuple[str, str, bool], ...]:
+    return tuple((words(one.name), one.look["color"], one.look["dashes"] != style.SOLID) for one in followed)
 
 
 def belief_charts(
