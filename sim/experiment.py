@@ -403,7 +403,7 @@ def report(result: Result, folder: Path) -> None:
 
     with timed(result.timing, "report_s"):
         resolved = {**result.scenario.tables, "designed": result.prepared.gains.to_table()}
-        (folder / "scenario.toml").write_text(dumps(resolved))
+        (folder / "scenario.toml").write_text(dumps(resolved), encoding="utf-8")
         write_json(folder / "metrics.json", result.metrics)
         write_npz(folder / "flight.npz", flight_arrays(result.flight.whole))
         write_npz(folder / "measurements.npz", measurement_arrays(result.records))

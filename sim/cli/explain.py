@@ -11,7 +11,7 @@ from aircraft.trim import trim
 from autopilot.limit_cycles import limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
-from sim.cli.text_table import table
+from sim.cli.terminal import table
 from sim.estimation.setup import check
 from sim.flight import swings
 from sim.flight.departures import in_words

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from sim.cli.text_table import table
+from sim.cli.terminal import table
 from sim.metrics.conformance import conformance_sentence
 from sim.metrics.navigation import beside
 from sim.reporting.text.broken_checks import broken_checks

@@ -315,6 +315,8 @@ class Check:
             raise ValueError(
                 f"the check of '{self.metric}' has a confidence and no share: say share = 0.95, or another"
             )
+        if not self.during:
+            raise ValueError(f"the check of '{self.metric}' has an empty 'during': name a phase, or leave it out")
         if self.max is None and self.min is None:
             raise ValueError(f"the check of '{self.metric}' needs 'max' or 'min'")
         if self.max is not None and self.min is not None and self.max < self.min:
