@@ -6,6 +6,7 @@ Each stands at densities that are written here, whatever the defaults of its kin
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,11 +45,16 @@ class Printed:
         return Transition(self.motion.transition(dt, mean).F, np.array(self.noise))
 
 
+def published(acceleration_density: float) -> ModelSet:
+    """The printed set at a density."""
+    return published_set(acceleration_density, slow=-0.001, fast=-0.045)
+
+
 def read_as(noise: Any) -> ModelSet:
     """The published set under another reading of Q."""
-    published = published_set()
+    printed = published(0.01)
     rows = tuple(map(tuple, np.asarray(noise, float).tolist()))
-    return published._replace(models=tuple(Printed(model, rows) for model in published.models))
+    return printed._replace(models=tuple(Printed(model, rows) for model in printed.models))
 
 
 def through_acceleration() -> Any:
@@ -71,18 +77,22 @@ TUNED: dict[str, dict[str, Any]] = {
 def made(name: str, **parameters: Any) -> Tracker:
     """A filter whose parameters are searched, with others than it has."""
     if name == DENSER:
-        return InteractingMultipleModel(PLOTS, published_set(**parameters))
+        return InteractingMultipleModel(PLOTS, published(**parameters))
     if name == ONE_FILTER:
         return Kalman(PLOTS, ConstantVelocity(**parameters))
-    kinds: dict[str, Any] = {DETECTOR: ManoeuvreDetector, AUTONOMOUS: AutonomousModels}
-    tracker: Tracker = kinds[name](PLOTS, **parameters)
-    return tracker
+    if name == DETECTOR:
+        return ManoeuvreDetector(PLOTS, **parameters)
+    return AutonomousModels(
+        PLOTS, published(parameters["acceleration_density"]), least_weight=parameters["least_weight"]
+    )
 
 
 FILTERS: dict[str, Tracker] = {
-    DENSITY: InteractingMultipleModel(PLOTS, published_set(0.01)),
+    DENSITY: InteractingMultipleModel(PLOTS, published(0.01)),
     "Q of B diag(.01) B'": InteractingMultipleModel(PLOTS, read_as(through_acceleration())),
     "Q .01 I": InteractingMultipleModel(PLOTS, read_as(0.01 * np.eye(4))),
-    IMPROVED: InteractingMultipleModel(DebiasedPolar(position=RADAR, height=0.0), improved_set(0.01, 0.05)),
+    IMPROVED: InteractingMultipleModel(
+        DebiasedPolar(position=RADAR, height=0.0), improved_set(0.01, 0.05, -0.5, math.radians(15.0))
+    ),
     **{name: made(name, **parameters) for name, parameters in TUNED.items()},
 }

@@ -84,7 +84,7 @@ def six_degrees(seed: int, count: int, truth: str) -> Path:
     """Patterns that JSBSim flies, DRAWS runs of each flight; a flight begins on the base leg, in a steady wind."""
     side = LEFT if truth == JSBSIM else RIGHT
     paths = [flown_path(flight) for flight in flights(SCENARIO, seed, count, FLIGHTS, ("route.side", side))]
-    return side_by_side(paths, DRAWS)
+    return together(paths, DRAWS)
 
 
 def flown_path(flight: Flown) -> Path:
@@ -99,10 +99,10 @@ def flown_path(flight: Flown) -> Path:
 def entered(seed: int) -> Path:
     """All entries side by side, EACH runs of each."""
     paths = {turn: pattern(seed, EACH, turn) for turn in TURNS}
-    return side_by_side([paths[turn] if side == LEFT else mirrored(paths[turn]) for side, turn in ENTRIES])
+    return together([paths[turn] if side == LEFT else mirrored(paths[turn]) for side, turn in ENTRIES])
 
 
-def side_by_side(paths: Sequence[Path], times: int = 1) -> Path:
+def together(paths: Sequence[Path], times: int = 1) -> Path:
     """Paths as one, every run of each ``times`` times; those that have landed stand still."""
     longest = max(paths, key=lambda path: len(path.time))
     k = len(longest.time)
