@@ -81,10 +81,6 @@ def towards_touchdown(truth: str) -> tuple[Reading, ...]:
                     f"{unit}, from each stretch to the next, from 8 km on{noise}",
                     grows_throughout(name, what, STRETCHES, truth),
                 ),
-                Reading(
-                    f"{unit}, from each stretch to the next, from 4.5 km on{noise}",
-                    grows_throughout(name, what, STRETCHES[2:], truth),
-                ),
             ]
     return tuple(readings)
 
