@@ -23,16 +23,17 @@ class AutonomousModels:
     ``least_weight`` after a measurement, and the others make room in proportion to what they have above it. See Li and
     Jilkov, "Survey of maneuvering target tracking, part V", 2005.
 
-    The file parameters are those of the published set, as in `imm_published`; another set is given as `model_set`,
-    whose switching is not used.
+    The file parameters are those of the published set, as in `imm_published`, with the density and the floor where a
+    search ended on landing patterns under the radar of Volovyk 2022; another set is given as `model_set`, whose
+    switching is not used.
     """
 
     measurement: Annotated[MeasurementModel, "given"]
     model_set: Annotated[ModelSet | None, "given"] = None
-    acceleration_density: Annotated[float, "m2/s3"] = 0.01
+    acceleration_density: Annotated[float, "m2/s3"] = 3.0
     slow_turn_rate: Annotated[float, "rad/s"] = -0.001
     fast_turn_rate: Annotated[float, "rad/s"] = -0.045
-    least_weight: float = 0.001
+    least_weight: float = 0.01
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.least_weight * len(self._set.models) < 1.0:

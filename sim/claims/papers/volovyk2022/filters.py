@@ -69,7 +69,7 @@ RIVALS = (ONE_FILTER, DETECTOR, AUTONOMOUS)
 TUNED: dict[str, dict[str, Any]] = {
     DENSER: {"acceleration_density": 0.3},
     ONE_FILTER: {"acceleration_density": 10.0},
-    DETECTOR: {"quiet_density": 0.01, "manoeuvre_density": 300.0, "window": 10, "false_alarm_rate": 0.001},
+    DETECTOR: {"quiet_density": 0.01, "manoeuvre_density": 1000.0, "window": 5, "false_alarm_rate": 1e-4},
     AUTONOMOUS: {"acceleration_density": 3.0, "least_weight": 0.01},
 }
 
