@@ -36,6 +36,9 @@ SECOND = np.diag(SPREAD[:2] ** 2)
 START = Gaussian(np.array([0.7, 0.0122]) * DEGREE, SECOND)  # ours: the paper does not print it
 RECIPE = math.radians(math.sqrt(2.42e-7)) * PERIOD  # rad/s per step: the manoeuvre noise of the recipe at 5 km
 PUBLISHED = Elevation(MEASURED)
+UNIFORM, UNIFORM_WIDE = "uniformly accelerated", "uniformly accelerated, wide prior"  # Singer's limit T / tau -> 0
+FOR_EVER = 1e6  # s: the acceleration loses 8e-5 of itself over the leg
+UNIFORMLY = Elevation(MEASURED, 3, acceleration_density=0.0, correlation_time=FOR_EVER)
 FILTERS = {
     "as published": PUBLISHED,
     "Q as an acceleration": Elevation(MEASURED, rate_increment=0.01 * PERIOD * DEGREE, held=True),
@@ -45,7 +48,10 @@ FILTERS = {
     "first order, tuned": Elevation(MEASURED, 1, angle_increment=math.sqrt(1e-5) * DEGREE),
     "first order, Q 1e-4": Elevation(MEASURED, 1, angle_increment=INCREMENT * DEGREE),
     "third order, tuned": Elevation(MEASURED, 3),
+    UNIFORM: UNIFORMLY,
+    UNIFORM_WIDE: UNIFORMLY,
 }
+WIDER = {UNIFORM_WIDE: 10.0}  # times the spread of the prior
 PAPER, JSBSIM = "paper", "mls_profile"
 
 
@@ -91,10 +97,10 @@ def followed(tracker: Elevation, truth: Any, measurements: Any, prior: Gaussian)
 def schedule(steps: int) -> tuple[Any, Any, Any]:
     """Transitions (3, 3, F, 1), gains (steps, 3, 1, F, 1) and variances (steps, F) of all filters, side by side."""
     A, Q, P = (np.zeros((3, 3, len(FILTERS))) for _ in range(3))
-    for place, tracker in enumerate(FILTERS.values()):
+    for place, (name, tracker) in enumerate(FILTERS.items()):
         n = tracker.order
         A[:n, :n, place], Q[:n, :n, place] = tracker.transition(PERIOD)
-        P[:n, :n, place] = np.diag(SPREAD[:n] ** 2)
+        P[:n, :n, place] = np.diag((WIDER.get(name, 1.0) * SPREAD[:n]) ** 2)
     gains, covariances = gain_schedule(P, Model(A, Q, np.eye(1, 3), np.array([[SIGMA**2]])), steps)
     return A[..., None], gains[..., None], covariances[:, 0, 0] / DEGREE**2
 
@@ -239,11 +245,6 @@ def stored(case: Stored, chosen: slice) -> Any:
         return Interval(value, low, high, runs)  # what rounding does is not worse
 
     return measured
-
-
-def initial(derivative: int) -> Callable[[], float]:
-    """The angle or a derivative of it, in degrees, where the level leg begins."""
-    return lambda: float(np.degrees(elevation_of(15e3, 200.0, -150.0, 0.0, 0.625)[derivative]))
 
 
 def manoeuvre_shares() -> float:
