@@ -20,7 +20,7 @@ from sim.claims.papers.kychak2011.experiment import (
     ratio,
     steady_over,
 )
-from sim.claims.verdict import above, between, number
+from sim.claims.verdict import above, between, number, zero
 
 FLOWN = "The last 400 scans of a JSBSim glide path before the decision height; runs are draws of noise."
 GAIN = between("25", "30", good=1)
@@ -88,7 +88,7 @@ CLAIMS: tuple[Claim, ...] = (
             "no_anomalies_same",
             "without anomalies the probability of an anomaly is zero",
             "fig. 10",
-            number("0"),
+            zero(100.0),
             (
                 Reading("mean probability", doubted("doubt")),
                 Reading("share above a half", doubted("decided")),
@@ -110,7 +110,7 @@ CLAIMS: tuple[Claim, ...] = (
             "no_anomalies_same_accuracy",
             "without anomalies both filters agree",
             "conclusions",
-            number("0"),
+            zero(100.0),
             (Reading("more variance", excess(True)), Reading("more RMS", excess(False))),
             "%",
             paper_runs=50,
