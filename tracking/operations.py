@@ -8,6 +8,7 @@ of A and C count too, which flatters the stored gain.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -19,6 +20,7 @@ from tracking.trackers.elevation import Model, arbitrary_gain, full, information
 Array = Any
 
 REALISATIONS = (1, 2, 3, 4)
+FUNCTION = 10  # of either operation for a root or an exponential: a polynomial of degree ten by Horner's rule
 
 
 class Operations(NamedTuple):
@@ -84,6 +86,24 @@ class Number:
 
     def __rsub__(self, other: Any) -> Number:
         return self._sum(_value(other) - self.value)
+
+    def __gt__(self, other: Any) -> bool:
+        """A comparison is a subtraction."""
+        self.tally.additions += 1
+        return self.value > _value(other)
+
+    def exp(self) -> Number:
+        """As `numpy.exp` calls it."""
+        return self._function(math.exp(self.value))
+
+    def sqrt(self) -> Number:
+        """As `numpy.sqrt` calls it."""
+        return self._function(math.sqrt(self.value))
+
+    def _function(self, value: float) -> Number:
+        self.tally.multiplications += FUNCTION
+        self.tally.additions += FUNCTION
+        return Number(value, self.tally)
 
 
 def _value(number: Any) -> float:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.claims.angle_channel import SIGMA
-from sim.claims.papers.volovyk2018.experiment import FILTERS, LEG_SETTLED, SPREAD, UNIFORM, level_leg
+from sim.claims.papers.volovyk2018.experiment import FILTERS, LEG_SETTLED, SPREAD, UNIFORM, printed_leg
 from sim.randomness import stream
 from tracking.intervals import Interval, gain
 from tracking.trackers.elevation import PERIOD, Model, full, gain_schedule, stored_gain
@@ -65,9 +65,9 @@ def store(largest: Any) -> Store:
 @lru_cache(maxsize=2)
 def squares(seed: int, runs: int) -> dict[Case, Any]:
     """Mean squared errors (runs,), rad^2, of every case from the settled filter to ``FAR``, by the same noise."""
-    leg = level_leg()
+    leg = printed_leg()
     steps = int((leg.distance > FAR).sum())
-    angle = leg.angle[:steps]
+    angle = leg.angle[:steps, 0]
     A, Q, P = (np.zeros((3, 3, len(CASES))) for _ in range(3))
     for place, case in enumerate(CASES):
         n = FILTERS[case.filter].order
