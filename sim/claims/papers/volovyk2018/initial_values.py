@@ -11,7 +11,7 @@ import numpy as np
 from sim.claims.manoeuvre_variance import GRAVITY
 from tracking.trackers.elevation import elevation_of
 
-PRINTED = np.array([0.7, 0.0122, 0.0002])  # deg, deg/s, deg/s2
+INITIAL = np.array([0.7, 0.0122, 0.0002])  # deg, deg/s, deg/s2
 # distance (m), speed (m/s) and deceleration (m/s2) of an approach, as printed: 5-25 km, 200-500 km/h, up to 0.25 g
 RANGES = ((5e3, 25e3), (200.0 / 3.6, 500.0 / 3.6), (0.0, 0.25 * GRAVITY))
 LEVEL, APPROACH = (200.0, 200.0), (30.0, 200.0)  # m: the height of the level leg; from there to the decision height
@@ -39,7 +39,7 @@ def nearest_place(wanted: tuple[int, ...], heights: tuple[float, float]) -> tupl
     low, high = np.array([*RANGES, heights]).T
 
     def apart(share: Any) -> Any:
-        return (angles(*(low + share * (high - low))) / PRINTED - 1.0)[list(wanted)]
+        return (angles(*(low + share * (high - low))) / INITIAL - 1.0)[list(wanted)]
 
     exact = {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14}
     share = least_squares(apart, np.full(4, 0.5), bounds=(0.0, 1.0), **exact).x
