@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from tracking.operations import (
+    FUNCTION,
+    Number,
     Operations,
     Tally,
     charged_inverse,
@@ -77,3 +79,14 @@ def test_there_are_four_realisations():
     for function in (counted, memory):
         with pytest.raises(ValueError, match="1, 2, 3 or 4"):
             function(5, 2, 1)
+
+
+def test_functions_are_charged_as_polynomials_and_comparisons_as_subtractions():
+    tally = Tally()
+    number = Number(4.0, tally)
+    assert np.sqrt(number).value == 2.0
+    assert np.exp(number).value == pytest.approx(np.exp(4.0))
+    assert tally.total() == (2 * FUNCTION, 2 * FUNCTION)
+    assert number > 3.0
+    assert not number > number
+    assert tally.total() == (2 * FUNCTION, 2 * FUNCTION + 2)

@@ -58,7 +58,7 @@ def noise(seed: int) -> Iterator[Plot]:
     yield Plot(
         "fig. 5",
         "Normalised angle noise along the approach",
-        "With the printed 36e-4 deg^2 at the decision height, and with 50e-4 deg^2 at 15 km.",
+        "No signal-to-noise ratio is printed: two that give 36e-4 deg^2 at the decision height and 50e-4 at 15 km.",
         "distance to the beacon, km",
         "sigma over beam width",
         tuple(curves),
