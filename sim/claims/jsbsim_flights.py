@@ -33,6 +33,7 @@ class Flown(NamedTuple):
     state: AircraftState
     runway: Runway
     law: Any
+    route: Any  # as its chart shows it, in the local frame of ``flight``: what trackers are told
 
     def rows(self, period: float) -> Any:
         """Rows of the record, one every ``period`` (s) after the start; a period is a number of records."""
@@ -97,6 +98,7 @@ def root_mean(squares: Any, count: int) -> Interval:
 @lru_cache(maxsize=KEPT)
 def flown(name: str, *changes: tuple[str, Any]) -> Flown:
     """A bundled scenario flown once, without its sensors and trackers; ``changes`` are ("table.key", value)."""
+    from sim.estimation.setup import charted_route
     from sim.experiment import fly, read
     from sim.flight.preparation import prepare
 
@@ -114,4 +116,4 @@ def flown(name: str, *changes: tuple[str, Any]) -> Flown:
         velocity_east=velocity_east,
         heading=(state.heading - runway.heading) % (2.0 * np.pi),
     )
-    return Flown(flight, turned, runway, prepared.law)
+    return Flown(flight, turned, runway, prepared.law, charted_route(prepared))

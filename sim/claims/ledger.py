@@ -42,13 +42,16 @@ class Claim:
     note: str = ""
 
 
+OVER_FLIGHTS: dict[str, Any] = {"first_runs": FLIGHTS, "most_runs": MOST_FLIGHTS, "draws": DRAWS, "paper_runs": None}
+
+
 def flown_too(claim: Claim, readings: tuple[Reading, ...], note: str, **changes: Any) -> tuple[Claim, Claim]:
     """A claim, and the same where a six-degree-of-freedom aircraft flies: words, place and print are one.
 
     Its runs are flights, as `jsbsim_flights.flights` draws them, and its intervals are over flights.
     """
-    over = {"first_runs": FLIGHTS, "most_runs": MOST_FLIGHTS, "draws": DRAWS, "paper_runs": None, **changes}
-    return claim, replace(claim, name=f"{claim.name}_jsbsim", readings=readings, truth="jsbsim", note=note, **over)
+    changes = {**OVER_FLIGHTS, **changes}
+    return claim, replace(claim, name=f"{claim.name}_jsbsim", readings=readings, truth="jsbsim", note=note, **changes)
 
 
 class Measured(NamedTuple):
