@@ -24,6 +24,7 @@ from sim.claims.papers.vasylyev2003.experiment import (
     capture_squares,
     linear_over_saturated_flown,
 )
+from sim.claims.papers.volovyk2022 import tuning as volovyk_tuning
 from tracking.intervals import gain
 
 pytestmark = pytest.mark.acceptance
@@ -57,6 +58,10 @@ def test_time_of_the_quick_form(row):
     [
         ("kychak2011", "accuracy_gain", "not reproducible"),
         ("volovyk2022", "accuracy_gain", "qualified"),
+        ("volovyk2022", "annex_10_norm", "qualified"),
+        ("volovyk2022", "cheap", "qualified"),
+        ("volovyk2022", "grows_towards_touchdown", "qualified"),
+        ("volovyk2022", "more_accurate", "qualified"),
         ("volovyk2018", "multiplications_saved", "reproduced"),
         ("volovyk2018", "additions_saved", "reproduced"),
         ("vasylyev2003", "saturated_control_accurate", "reproduced"),
@@ -168,6 +173,15 @@ def test_no_neighbouring_parameters_are_better(row, kind):
     found = glistin_tuning.tune(kind, flight, condition)
     met = found == glistin_tuning.TUNED[flight, condition][kind]
     row(f"claims: tuned parameters of {kind}, {flight}, {condition}, are the ones in use", "yes", str(met), met)
+    assert met
+
+
+@pytest.mark.parametrize("name", volovyk_tuning.TUNED)
+def test_rivals_are_at_their_best(row, name):
+    """On the seed of the search, of the point mass and of JSBSim, no neighbour on the grid is better."""
+    found = volovyk_tuning.tune(name)
+    met = found == volovyk_tuning.TUNED[name]
+    row(f"claims: volovyk2022, parameters of {name} are where a search ends", "yes", str(met), met)
     assert met
 
 
