@@ -3,7 +3,7 @@
 The realisations of `tracking.trackers.elevation` run unchanged on `Number`s; nothing is assumed about how they
 multiply. The print charges the inversion of an m x m matrix with m^3 multiplications and as many additions; the
 operations really counted stand beside it. Counting is dense, as in the print: multiplications by the zeros and ones
-of A and C count too, which flatters the stored gain. A root or an exponential counts as one multiplication.
+of A and C count too, which flatters the stored gain. A root or an exponential counts as a polynomial.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from tracking.trackers.elevation import Model, arbitrary_gain, full, information
 Array = Any
 
 REALISATIONS = (1, 2, 3, 4)
+FUNCTION = 10  # of either operation for a root or an exponential: a polynomial of degree ten by Horner's rule
 
 
 class Operations(NamedTuple):
@@ -80,17 +81,29 @@ class Number:
 
     __radd__ = __add__
 
-    def exp(self) -> Number:
-        return self._product(math.exp(self.value))
-
-    def sqrt(self) -> Number:
-        return self._product(math.sqrt(self.value))
-
     def __sub__(self, other: Any) -> Number:
         return self._sum(self.value - _value(other))
 
     def __rsub__(self, other: Any) -> Number:
         return self._sum(_value(other) - self.value)
+
+    def __gt__(self, other: Any) -> bool:
+        """A comparison is a subtraction."""
+        self.tally.additions += 1
+        return self.value > _value(other)
+
+    def exp(self) -> Number:
+        """As `numpy.exp` calls it."""
+        return self._function(math.exp(self.value))
+
+    def sqrt(self) -> Number:
+        """As `numpy.sqrt` calls it."""
+        return self._function(math.sqrt(self.value))
+
+    def _function(self, value: float) -> Number:
+        self.tally.multiplications += FUNCTION
+        self.tally.additions += FUNCTION
+        return Number(value, self.tally)
 
 
 def _value(number: Any) -> float:

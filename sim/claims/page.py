@@ -27,6 +27,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "dashed": {"linestyle": (0, style.DASHED)},
     "dots": {"linestyle": "none", "marker": ".", "markersize": 2.0},
     "places": {"linestyle": "none", "marker": "^", "markersize": 5.0},
+    "marks": {"linestyle": "none", "marker": "o", "markersize": 4.0},
 }
 
 
@@ -95,8 +96,10 @@ def chart(plot: Plot) -> style.Chart:
     colours = iter(style.TRACKERS)
     for curve in plot.curves:
         look: dict[str, Any] = LOOKS[curve.look]
-        colour = style.GREY if look["linestyle"] == "none" else next(colours)
+        colour = style.GREY if curve.look in ("dots", "places") else next(colours)
         axes.plot(np.asarray(curve.x), np.asarray(curve.y), color=colour, label=curve.label, **look)
+        for x, y, name in zip(curve.x, curve.y, curve.names, strict=False):
+            axes.annotate(name, (x, y), (2, 4), textcoords="offset points", rotation=35, fontsize="small")
     if plot.logarithmic:
         logarithmic(axes)
     if plot.equal:

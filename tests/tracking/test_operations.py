@@ -7,7 +7,9 @@ from tracking.gaussian import Gaussian, merge
 from tracking.measurement import LinearMeasurement
 from tracking.motion import ConstantVelocity, CoordinatedTurn
 from tracking.operations import (
+    FUNCTION,
     Bank,
+    Number,
     Operations,
     Tally,
     charged_inverse,
@@ -87,6 +89,17 @@ def test_there_are_four_realisations():
             function(5, 2, 1)
 
 
+def test_functions_are_charged_as_polynomials_and_comparisons_as_subtractions():
+    tally = Tally()
+    number = Number(4.0, tally)
+    assert np.sqrt(number).value == 2.0
+    assert np.exp(number).value == pytest.approx(np.exp(4.0))
+    assert tally.total() == (2 * FUNCTION, 2 * FUNCTION)
+    assert number > 3.0
+    assert not number > number
+    assert tally.total() == (2 * FUNCTION, 2 * FUNCTION + 2)
+
+
 def test_the_cycle_that_is_counted_is_the_one_of_the_tracker():
     models = (CoordinatedTurn(-0.045, 0.1), CoordinatedTurn(0.02, 0.3), ConstantVelocity(0.01))
     switching = ((0.9, 0.08, 0.02), (0.3, 0.6, 0.1), (0.0, 0.25, 0.75))
@@ -111,9 +124,9 @@ def test_operations_of_interacting_models_by_hand(count):
     """Mixing and merging of M means and covariances of n states, M filters, M likelihoods of two channels, weights."""
     n, m, one = 4, 2, full_filter_operations(4, 2)
     moments = Operations(count * (n + 2 * n * n), (2 * count - 1) * (n + n * n))
-    density = Operations(
-        m * m + m + 1 + 1 + 3 + 1 + 1 + 1, m * m - 1 + 1
-    )  # form, half, exp, determinant, constant, ...
+    density = Operations(  # form, half, determinant, constant, ...; a root and an exponential
+        m * m + m + 1 + 3 + 1 + 1 + 2 * FUNCTION, m * m - 1 + 1 + 2 * FUNCTION
+    )
     weights = Operations(2 * count * count + 2 * count, count * (count - 1) + count - 1)
     by_hand = (count * (a + b + c) + a + d for a, b, c, d in zip(moments, one, density, weights, strict=True))
     assert counted_interacting(count, n, m) == Operations(*by_hand)
