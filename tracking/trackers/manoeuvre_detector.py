@@ -35,8 +35,8 @@ class ManoeuvreDetector:
     until the sum is small again: the adjustable process noise of Bar-Shalom, Li and Kirubarajan, "Estimation with
     Applications to Tracking and Navigation", 2001, section 11.2, with two levels.
 
-    The defaults are where a search ended on landing patterns under the radar of Volovyk 2022, 30 m and 1 deg every 0.7 s:
-    so high a level forgets the past, and the filter begins anew.
+    The defaults are where a search ended on landing patterns under the radar of Volovyk 2022, 30 m and 1 deg every
+    0.7 s: so high a level forgets the past, and the filter begins anew.
 
     Both levels move the mean alike, so that one mean and two covariances are carried from measurement to measurement.
     """
