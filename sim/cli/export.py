@@ -86,7 +86,7 @@ def _flights(folder: Path) -> Columns:
 def _contrasts(path: Path) -> list[dict[str, Any]]:
     """One row for each figure of the contrasts of a run, over all its flights."""
     try:
-        contrasts = json.loads(path.read_text()).get("contrasts", []) if path.is_file() else []
+        contrasts = json.loads(path.read_text(encoding="utf-8")).get("contrasts", []) if path.is_file() else []
     except (OSError, ValueError):
         raise OutputError(f"{path}: damaged; run the scenario again") from None
     return [
