@@ -92,14 +92,17 @@ def _row(row: Row) -> dict[str, Any]:
 
 def chart(plot: Plot) -> style.Chart:
     """A figure of a paper, drawn."""
-    drawn, (axes,) = style.panels(HEIGHT * (1.6 if plot.equal else 1.0))
+    named = any(curve.names for curve in plot.curves)
+    drawn, (axes,) = style.panels(HEIGHT * (1.6 if plot.equal or named else 1.0))
     colours = iter(style.TRACKERS)
     for curve in plot.curves:
         look: dict[str, Any] = LOOKS[curve.look]
         colour = style.GREY if curve.look in ("dots", "places") else next(colours)
         axes.plot(np.asarray(curve.x), np.asarray(curve.y), color=colour, label=curve.label, **look)
         for x, y, name in zip(curve.x, curve.y, curve.names, strict=False):
-            axes.annotate(name, (x, y), (2, 4), textcoords="offset points", rotation=35, fontsize="small")
+            axes.annotate(name, (x, y), (2, -4), textcoords="offset points", rotation=-50, va="top", fontsize="small")
+    if named:
+        axes.margins(x=0.1)  # room for the last name
     if plot.logarithmic:
         logarithmic(axes)
     if plot.equal:

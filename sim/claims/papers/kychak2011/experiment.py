@@ -28,7 +28,7 @@ WIDE = Gaussian(PRIOR.mean, np.diag([1.0, 0.25]) * DEGREE**2)  # deg, deg/s squa
 MODEL, JSBSIM = "model", "jsbsim"
 SCENARIO, DECISION_HEIGHT = "kychak2011_jsbsim", 30.0  # m, printed
 STARTS = (("start.distance_m", 4000.0, 5000.0), *WIND)  # ours: of the flights on JSBSim
-ON_A_GLIDE = 100  # draws of noise on each: errors under anomalies have long tails, and the angle hardly moves
+ON_A_GLIDE = 50  # draws of noise on each: errors under anomalies have long tails, and the angle hardly moves
 
 Chain = tuple[tuple[float, float], ...]
 
