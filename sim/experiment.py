@@ -156,9 +156,8 @@ def run(
     with timed(timing, "other_flights_s"):
         records += _others(prepared, numbers[len(records) :], trackers, workers, progress)
     before = _until(flown, found.records)
-    trackers_found, contrasts = found.trackers, [*found.contrasts.values()]
-    if len(records) > 1:
-        trackers_found, contrasts = over_flights(records), contrasts_over_flights(scenario.contrasts, records)
+    trackers_found = found.trackers if len(records) == 1 else over_flights(records)
+    contrasts = contrasts_over_flights(scenario.contrasts, records)
     told = [
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
