@@ -234,6 +234,23 @@ class Legs:
         F[0::2] += effect
         return moved + self._drift(mean, dt), F
 
+    def along_at_charted_speed(self, place: Array, mean: Array, dt: float) -> tuple[Array, float]:
+        """Change of the velocity (2, *B) as its part along the leg comes nearer to the charted speed for dt.
+
+        Second is the share that is kept of a difference. It is the charted speed over the ground of an aircraft that
+        holds the leg: to first order in the course error, whose cosine is one.
+        """
+        normal = lift(self.normal(place), 1, mean.ndim - 1)
+        if self.route.chart is None:
+            return np.zeros_like(mean[1::2]), 1.0
+        along = np.stack([normal[1], -normal[0]])
+        wind = np.array(self.wind)
+        airspeed = self.route.charted_speed(place, self.deviation(place, mean).distance_to_go)
+        against = np.einsum("i,i...->...", wind, normal)  # the part of the airspeed that holds the leg
+        charted = np.sqrt(airspeed**2 - against**2) + np.einsum("i,i...->...", wind, along)
+        kept = math.exp(-dt / SPEED_TIME)
+        return (1.0 - kept) * (charted - np.einsum("i...,i...->...", along, mean[1::2])) * along, kept
+
     def _at_charted_speed(self, place: Array, mean: Array, dt: float) -> tuple[Array, Array, Array]:
         """State in the air when its speed has come nearer to the charted one for dt, and that speed.
 
@@ -265,17 +282,14 @@ class Legs:
 
 
 def reference_path(route: Any, law: Law) -> ReferencePath:
-    """The line itself, or the legs of a route whose turns are flown at the law's bank limit."""
-    return route if isinstance(route, Line) else Legs(route, float(np.max(law.bank_limit)))
+    """The line itself, or the legs of a route whose turns are flown at the law's bank limit.
 
-
-def without_roll(route: Any) -> Any:
-    """The line itself, or the route whose turns begin where their circles do.
-
-    An aircraft banks ``time_to_roll`` before the circle begins, because it has to roll first. A tracker that flies the
-    circle at its full bank at once must begin there, or its turn is early by that time.
+    An aircraft banks ``time_to_roll`` before the circle of its turn begins, because it has to roll first. A tracker has
+    no roll: its turns begin where the circles do, or they would be early by that time.
     """
-    return route if isinstance(route, Line) else replace(route, time_to_roll=0.0)
+    if isinstance(route, Line):
+        return route
+    return Legs(replace(route, time_to_roll=0.0), float(np.max(law.bank_limit)))
 
 
 class OnPath(Protocol):

@@ -28,7 +28,7 @@ class FilterpyConstantVelocity:
 
     def step(self, state: Gaussian, dt: float, z: Any | None, R: Any | None) -> tuple[Gaussian, Innovation | None]:
         if dt > 0.0:
-            state = predict(state, *constant_velocity(dt, self.acceleration_density).motion.transition(dt, state.mean))
+            state = predict(state, *constant_velocity(dt, self.acceleration_density).transition(dt, state.mean))
         if z is None:
             return state, None
         return update(state, *self.measurement.linearise(z, R, state.mean))

@@ -89,16 +89,18 @@ def improved_set(
 class InteractingMultipleModel:
     """Interact, predict, update, reweigh, merge [Volovyk 2022, table 1].
 
-    The file parameters are those of the improved set; another set is given as `model_set`. The measurement is
-    linearised at the merged prediction, once for all models.
+    The file parameters are those of the improved set; another set is given as `model_set`. Its turns are flown at
+    ``bank``, or where that is None at the autopilot's ``bank_limit``. The measurement is linearised at the merged
+    prediction, once for all models.
     """
 
     measurement: Annotated[MeasurementModel, "given"]
     model_set: Annotated[ModelSet | None, "given"] = None
+    bank_limit: Annotated[float, "given"] = math.radians(15.0)
     straight_density: Annotated[float, "m2/s3"] = 0.01
     manoeuvre_density: Annotated[float, "m2/s3"] = 0.05
     acceleration: Annotated[float, "m/s2"] = -0.5
-    bank: Annotated[float, "rad"] = math.radians(15.0)
+    bank: Annotated[float | None, "rad"] = None
 
     def __post_init__(self) -> None:
         _check(self._set)
@@ -107,7 +109,8 @@ class InteractingMultipleModel:
     def _set(self) -> ModelSet:
         if self.model_set is not None:
             return self.model_set
-        return improved_set(self.straight_density, self.manoeuvre_density, self.acceleration, self.bank)
+        bank = self.bank_limit if self.bank is None else self.bank
+        return improved_set(self.straight_density, self.manoeuvre_density, self.acceleration, bank)
 
     @property
     def channels(self) -> tuple[str, ...]:

@@ -19,7 +19,6 @@ from tracking.reference_path import (
     reference_path,
     sub_steps,
     uniform,
-    without_roll,
 )
 from tracking.trackers import saturated_control
 
@@ -101,7 +100,7 @@ class IntentImm:
 
     @cached_property
     def _path(self) -> ReferencePath:
-        return reference_path(without_roll(self.route), self.law)
+        return reference_path(self.route, self.law)
 
     @property
     def _intents(self) -> tuple[str, ...]:

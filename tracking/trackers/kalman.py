@@ -4,35 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Any
 
 from tracking.gaussian import Gaussian, Innovation, predict, update
 from tracking.measurement import Linear, MeasurementModel
 from tracking.motion import ConstantVelocity, Motion
 
-STRAIGHT = ConstantVelocity()
-
 
 @dataclass(frozen=True)
 class Kalman:
     """Predict with one motion model, update with one measurement model [Volovyk 2022, eqs. (15)-(18)].
+
+    The motion is straight with white acceleration of ``acceleration_density``, unless another one is given.
 
     Erratum: (15) printed without the estimate's hats and (17) with the covariance of k-1 given k, used the prediction
     of k given k-1, because the gain weighs the prediction against the measurement.
     """
 
     measurement: Annotated[MeasurementModel, "given"]
-    motion: Annotated[Motion, "given"] = STRAIGHT
+    motion: Annotated[Motion | None, "given"] = None
+    acceleration_density: Annotated[float, "m2/s3"] = 0.3
+
+    def __post_init__(self) -> None:
+        _ = self._motion  # a bad parameter is told when it is given
+
+    @cached_property
+    def _motion(self) -> Motion:
+        return ConstantVelocity(self.acceleration_density) if self.motion is None else self.motion
 
     @property
     def channels(self) -> tuple[str, ...]:
-        return self.motion.channels
+        return self._motion.channels
 
     def begin(self, prior: Gaussian) -> Gaussian:
         return prior
 
     def step(self, state: Gaussian, dt: float, z: Any | None, R: Any | None) -> tuple[Gaussian, Innovation | None]:
-        return filtered(self.motion, self.measurement, _conditioned, state, dt, z, R)
+        return filtered(self._motion, self.measurement, _conditioned, state, dt, z, R)
 
     def estimate(self, state: Gaussian) -> Gaussian:
         return state

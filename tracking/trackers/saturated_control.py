@@ -19,11 +19,10 @@ from tracking.reference_path import (
     check_tuning,
     corrected,
     estimate_on_path,
-    reference_path,
+    path_of,
     steering,
     sub_steps,
     uniform,
-    without_roll,
 )
 
 COVARIANCES = ("paper", "jacobian")
@@ -64,11 +63,6 @@ class SaturatedControl:
             raise ValueError(f"covariance is 'paper' or 'jacobian', not '{self.covariance}'")
         check_tuning(self.acceleration_density, self.sub_step)
 
-    @cached_property
-    def path(self) -> ReferencePath:
-        """Its turns begin where the aircraft has rolled."""
-        return reference_path(without_roll(self.route), self.law)
-
     def _driven(self, state: PathState, dt: float) -> PathState:
         mean, place = state.gaussian.mean, state.place
         count, step = sub_steps(dt, self.sub_step)
@@ -80,7 +74,7 @@ class SaturatedControl:
         moved = predict(state.gaussian, *uniform(self.path.axes, dt, self.acceleration_density))
         return PathState(moved._replace(mean=mean), place)
 
-    channels = cached_property(channels_on_path)
+    path, channels = cached_property(path_of), cached_property(channels_on_path)
     begin, estimate = begin_on_path, estimate_on_path
 
     def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
