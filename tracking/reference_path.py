@@ -414,7 +414,7 @@ def closed(control: Steering, dt: float, noise: Array) -> tuple[Array, Array]:
     half = _closed_loop(control, 0.5 * dt)
     halfway = np.einsum("ij...,jk->ik...", half, np.array([[1.0, -0.5 * dt], [0.0, 1.0]]))
     shaped = np.einsum("ij...,jk,lk...->il...", halfway, noise, halfway)
-    return np.einsum("ij...,jk...->ik...", half, half), shaped
+    return np.einsum("ij...,jk...->ik...", half, half), 0.5 * (shaped + shaped.swapaxes(0, 1))
 
 
 def _closed_loop(control: Steering, dt: float) -> Array:

@@ -12,6 +12,7 @@ from scipy.linalg import expm, solve_discrete_are
 from autopilot.modes.radio_beacon import RadioBeacon
 from tests.tracking.law_truth import (
     CROSS_TRACK,
+    DENSITY,
     GRAVITY,
     LINE,
     NOMINAL,
@@ -65,14 +66,14 @@ def test_prediction_has_the_printed_values():
 @pytest.mark.parametrize(("period", "printed"), [(1.0, 11.54), (4.0, 12.55), (10.0, 12.81)])
 def test_steady_state_is_that_of_the_riccati_equation(period, printed):
     """4 %: the sampling error of 300 runs over 40 half-independent scans is 1 %; a lost factor 2 in Q moves it 8 %."""
-    F, Q = van_loan(closed_loop_matrix(NOMINAL), np.diag([0.0, 0.1]), period)
+    F, Q = van_loan(closed_loop_matrix(NOMINAL), np.diag([0.0, DENSITY]), period)
     H, R = np.array([[1.0, 0.0]]), np.array([[SIGMA**2]])
     P = solve_discrete_are(F.T, H.T, Q, R)
     analytic = math.sqrt((P - P @ H.T @ H @ P / (P[0, 0] + R))[0, 0])
     assert analytic == pytest.approx(printed, abs=0.006)  # rounding of the print
     rng = np.random.default_rng(21)
     truth = line_truth(flown_by(NOMINAL), (0.0, 0.0), 40 * period + 120.0, rng, 300, period=period, dt=0.2)
-    result = errors(LinearFeedback(NOMINAL, LINE, CROSS_TRACK), truth, 22, period=period)
+    result = errors(LinearFeedback(NOMINAL, LINE, CROSS_TRACK, DENSITY), truth, 22, period=period)
     assert result.rmse(slice(-40, None)) == pytest.approx(analytic, rel=0.04)
     assert result.cov[-1, 0, 0, 0] == pytest.approx(analytic**2, rel=1e-3)
 

@@ -48,7 +48,7 @@ class LinearFeedback:
     law: Annotated[Law, "given"]
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
-    acceleration_density: Annotated[float, "m2/s3"] = 0.1
+    acceleration_density: Annotated[float, "m2/s3"] = 1000.0  # docs/densities.md
     sub_step: Annotated[float, "s"] = SUB_STEP
 
     def __post_init__(self) -> None:

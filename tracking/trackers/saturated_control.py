@@ -54,7 +54,7 @@ class SaturatedControl:
     law: Annotated[Law, "given"]
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
-    acceleration_density: Annotated[float, "m2/s3"] = 0.1
+    acceleration_density: Annotated[float, "m2/s3"] = 0.03  # docs/densities.md
     sub_step: Annotated[float, "s"] = SUB_STEP
     covariance: Literal["paper", "jacobian"] = "paper"
 
