@@ -316,11 +316,6 @@ class OnPath(Protocol):
         ...
 
     @property
-    def acceleration_density(self) -> float:
-        """Of the process noise, m2/s3."""
-        ...
-
-    @property
     def sub_step(self) -> float:
         """For so long, s, the control is held."""
         ...
@@ -348,11 +343,18 @@ def estimate_on_path(tracker: OnPath, state: PathState) -> Gaussian:
 
 
 def ahead_in_sub_steps(
-    forward: Callable[[Law, Any, PathState, float, Any], Gaussian], tracker: OnPath, state: PathState, dt: float
+    forward: Callable[[Law, Any, PathState, float, Any], Gaussian],
+    tracker: OnPath,
+    state: PathState,
+    dt: float,
+    density: float,
 ) -> PathState:
-    """The state dt later by ``forward``, an estimate after one sub-step; its place moves with it."""
+    """The state dt later by ``forward``, an estimate after one sub-step; its place moves with it.
+
+    ``density`` (m2/s3) is that of the acceleration.
+    """
     count, step = sub_steps(dt, tracker.sub_step)
-    _, Q = uniform(tracker.path.axes, step, tracker.acceleration_density)
+    _, Q = uniform(tracker.path.axes, step, density)
     for _ in range(count):
         gaussian = forward(tracker.law, tracker.path, state, step, Q)
         state = PathState(gaussian, tracker.path.advance(state.place, gaussian.mean, step))

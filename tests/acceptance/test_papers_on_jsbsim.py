@@ -50,7 +50,7 @@ def told(interval, digits=2):
 
 # ---- Vasylyev 2003 -----------------------------------------------------------------------------------------------
 
-LAWS = ("linear_feedback", "saturated_control", "saturated_control_told_wrong")
+LAWS = ("linear_feedback_published", "saturated_control_published", "saturated_control_told_wrong")
 
 
 @pytest.mark.parametrize(("name", "asked"), [("vasylyev2003_jsbsim", 18.0), ("vasylyev2003_own_gains", 10.0)])

@@ -22,6 +22,7 @@ from sim.observation.record import observe
 from sim.scenario.catalogue import load
 from sim.scenario.parameters import parameters
 from sim.scenario.reading import read
+from tracking.trackers.saturated_control import DENSITIES
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "densities.md"
 SEEDS = (1, 2, 3)
@@ -83,7 +84,8 @@ class Search(NamedTuple):
     def defaults(self) -> tuple[float, ...]:
         """Of the class, in the order of the grid."""
         known = {key: one.default for one in parameters(load("trackers", self.table["kind"])) for key in one.keys}
-        return tuple(known[key] for key in self.grid)
+        of_form = DENSITIES[self.table.get("covariance", "paper")]
+        return tuple(of_form if known[key] is None else known[key] for key in self.grid)
 
 
 ACCELERATION = "acceleration_density_m2ps3"
