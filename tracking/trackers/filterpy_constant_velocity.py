@@ -16,7 +16,7 @@ class FilterpyConstantVelocity:
     """Matrices by filterpy, designed anew for each period; arithmetic by this package."""
 
     measurement: Annotated[MeasurementModel, "given"]
-    acceleration_density: Annotated[float, "m2/s3"] = 0.3
+    acceleration_density: Annotated[float, "m2/s3"] = 10.0  # docs/densities.md
     channels = CARTESIAN
 
     def __post_init__(self) -> None:

@@ -22,6 +22,9 @@ from tracking.motion import (
 )
 
 
+STRAIGHT_DENSITY, MANOEUVRE_DENSITY = 0.3, 1.0  # m2/s3, of the improved set: the choice of docs/densities.md
+
+
 class ModelSet(NamedTuple):
     """Motion models, how they switch (rows "from", columns "to") and how likely each is at the start.
 
@@ -56,8 +59,8 @@ def published_set(acceleration_density: float = 0.01, slow: float = -0.001, fast
 
 
 def improved_set(
-    straight_density: float = 0.01,
-    manoeuvre_density: float = 0.05,
+    straight_density: float = STRAIGHT_DENSITY,
+    manoeuvre_density: float = MANOEUVRE_DENSITY,
     acceleration: float = -0.5,
     bank: float = math.radians(15.0),
 ) -> ModelSet:
@@ -97,8 +100,8 @@ class InteractingMultipleModel:
     measurement: Annotated[MeasurementModel, "given"]
     model_set: Annotated[ModelSet | None, "given"] = None
     bank_limit: Annotated[float, "given"] = math.radians(15.0)
-    straight_density: Annotated[float, "m2/s3"] = 0.01
-    manoeuvre_density: Annotated[float, "m2/s3"] = 0.05
+    straight_density: Annotated[float, "m2/s3"] = STRAIGHT_DENSITY
+    manoeuvre_density: Annotated[float, "m2/s3"] = MANOEUVRE_DENSITY
     acceleration: Annotated[float, "m/s2"] = -0.5
     bank: Annotated[float | None, "rad"] = None
 

@@ -24,7 +24,7 @@ class Kalman:
 
     measurement: Annotated[MeasurementModel, "given"]
     motion: Annotated[Motion | None, "given"] = None
-    acceleration_density: Annotated[float, "m2/s3"] = 0.3
+    acceleration_density: Annotated[float, "m2/s3"] = 10.0  # docs/densities.md
 
     def __post_init__(self) -> None:
         _ = self._motion  # a bad parameter is told when it is given

@@ -97,7 +97,7 @@ SETS = {
     "Q of B diag(.01) B'": read_as(through_acceleration()),
     "Q .01 I": read_as(0.01 * np.eye(4)),
     DENSER: published_set(0.3),
-    IMPROVED: improved_set(),
+    IMPROVED: improved_set(0.01, 0.05),
 }
 
 
