@@ -21,7 +21,6 @@ from tracking.motion import (
     Transition,
 )
 
-
 STRAIGHT_DENSITY, MANOEUVRE_DENSITY = 0.3, 1.0  # m2/s3, of the improved set: the choice of docs/densities.md
 
 
