@@ -199,6 +199,12 @@ def chosen(points: dict[tuple[float, ...], Point]) -> tuple[float, ...]:
     return min(flat, key=lambda densities: flat[densities].off)
 
 
+def matters(points: dict[tuple[float, ...], Point]) -> bool:
+    """Whether a density moves the criterion or the ANEES by more than 2 % over its grid."""
+    figures = ([getattr(point, name) for point in points.values()] for name in ("rmse", "off"))
+    return any(max(values) > FLAT * min(values) for values in figures)
+
+
 Found = tuple[tuple[float, ...], dict[tuple[float, ...], Point]]  # the choice, and all points that were looked at
 
 
@@ -214,7 +220,8 @@ def searched(search: Search) -> Found:
             line = [(*best[:axis], value, *best[axis + 1 :]) for value in values]
             new = [point for point in line if point not in points]
             points |= measured(search, new) if new else {}
-            best = chosen({point: points[point] for point in line})
+            along = {point: points[point] for point in line}
+            best = chosen(along) if matters(along) else best
     return best, points
 
 
@@ -237,7 +244,8 @@ chosen here is the default of the kind.
   share of lost draws.
 
 Densities are in m2/s3. Kinds with several are searched one density after the other until none moves; the tables are
-the lines through the choice. Not searched: `load_factor`, `load_factor_cartesian` and `line_of_approach`, whose sensors
+the lines through the choice. One that moves neither criterion nor ANEES by {flat:.0f} % over its whole grid stays where the
+search began. Not searched: `load_factor`, `load_factor_cartesian` and `line_of_approach`, whose sensors
 see no whole approach, and the kinds that track an angle.
 """
 
