@@ -244,9 +244,9 @@ chosen here is the default of the kind.
   share of lost draws.
 
 Densities are in m2/s3. Kinds with several are searched one density after the other until none moves; the tables are
-the lines through the choice. One that moves neither criterion nor ANEES by {flat:.0f} % over its whole grid stays where the
-search began. Not searched: `load_factor`, `load_factor_cartesian` and `line_of_approach`, whose sensors
-see no whole approach, and the kinds that track an angle.
+the lines through the choice. One that moves neither criterion nor ANEES by {flat:.0f} % over its whole grid stays where
+the search began. Not searched: `load_factor`, `load_factor_cartesian` and `line_of_approach`, whose sensors see no
+whole approach, and the kinds that track an angle.
 """
 
 
