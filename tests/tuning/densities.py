@@ -98,12 +98,7 @@ SEARCHES = (
         {"kind": "saturated_control", "covariance": "jacobian"},
         {ACCELERATION: half_decades(0.01, 100)},
     ),
-    Search(
-        "intent_imm",
-        {"kind": "intent_imm"},
-        {LAW: half_decades(0.01, 3), STRAIGHT: half_decades(0.01, 1), MANOEUVRE: half_decades(0.3, 30)},
-        start=(0.1, 0.1, 3.0),
-    ),
+    Search("intent_imm", {"kind": "intent_imm"}, {LAW: half_decades(0.01, 3)}),
     Search(
         "imm",
         {"kind": "imm"},
@@ -199,12 +194,6 @@ def chosen(points: dict[tuple[float, ...], Point]) -> tuple[float, ...]:
     return min(flat, key=lambda densities: flat[densities].off)
 
 
-def matters(points: dict[tuple[float, ...], Point]) -> bool:
-    """Whether a density moves the criterion or the ANEES by more than 2 % over its grid."""
-    figures = ([getattr(point, name) for point in points.values()] for name in ("rmse", "off"))
-    return any(max(values) > FLAT * min(values) for values in figures)
-
-
 Found = tuple[tuple[float, ...], dict[tuple[float, ...], Point]]  # the choice, and all points that were looked at
 
 
@@ -220,8 +209,7 @@ def searched(search: Search) -> Found:
             line = [(*best[:axis], value, *best[axis + 1 :]) for value in values]
             new = [point for point in line if point not in points]
             points |= measured(search, new) if new else {}
-            along = {point: points[point] for point in line}
-            best = chosen(along) if matters(along) else best
+            best = chosen({point: points[point] for point in line})
     return best, points
 
 
@@ -244,9 +232,9 @@ chosen here is the default of the kind.
   share of lost draws.
 
 Densities are in m2/s3. Kinds with several are searched one density after the other until none moves; the tables are
-the lines through the choice. One that moves neither criterion nor ANEES by {flat:.0f} % over its whole grid stays where
-the search began. Not searched: `load_factor`, `load_factor_cartesian` and `line_of_approach`, whose sensors see no
-whole approach, and the kinds that track an angle.
+the lines through the choice. Not searched: `straight_density` and `manoeuvre_density` of `intent_imm`, because they
+belong to flight by hand and all these aircraft follow their law; `load_factor`, `load_factor_cartesian` and
+`line_of_approach`, whose sensors see no whole approach; the kinds that track an angle.
 """
 
 
