@@ -81,7 +81,7 @@ class IntentImm:
     alternative_laws: Annotated[tuple[Any, ...], "given"] = ()  # that the autopilot has too
     limit_factors: tuple[float, ...] = (0.4, 0.64, 1.0, 1.6, 2.4)
     mean_stay: Annotated[float, "s"] = 120.0
-    law_density: Annotated[float, "m2/s3"] = 0.1
+    law_density: Annotated[float, "m2/s3"] = 0.3  # docs/densities.md
     straight_density: Annotated[float, "m2/s3"] = 0.05
     manoeuvre_density: Annotated[float, "m2/s3"] = 3.0
     sub_step: Annotated[float, "s"] = SUB_STEP
