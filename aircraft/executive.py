@@ -27,7 +27,7 @@ def fresh_executive(source: Model, rate: float) -> Any:
     said = _listen()
     with private_root(source) as root:
         planet = root / "planet.xml"
-        planet.write_text(PLANET)
+        planet.write_text(PLANET, encoding="utf-8")
         executive = jsbsim.FGFDMExec(str(root))
         executive.set_dt(1.0 / rate)  # before the model: actuators and filters take their step as they are loaded
         try:

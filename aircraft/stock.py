@@ -22,6 +22,6 @@ def stock_row(model: str | Path) -> dict[str, Any]:
 
 @functools.cache
 def _table() -> dict[str, Any]:
-    table = tomllib.loads(STOCK_TABLE.read_text()) if STOCK_TABLE.is_file() else {}
+    table = tomllib.loads(STOCK_TABLE.read_text(encoding="utf-8")) if STOCK_TABLE.is_file() else {}
     same = table.pop("versions", {}).get("jsbsim") == version("jsbsim")
     return table if same else {}

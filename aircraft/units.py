@@ -37,6 +37,28 @@ SUFFIXES: dict[str, tuple[str, float]] = {
     "db": ("dB", 1.0),
 }
 
+MAGNITUDES: dict[str, tuple[float, float]] = {
+    # SI unit: least size of what is not zero, and greatest; a number beyond is a slip of the pen, and ends in overflow
+    "m": (1e-6, 1e7),
+    "s": (1e-6, 1e9),
+    "Hz": (1e-6, 1e6),
+    "m/s": (1e-6, 1e5),
+    "m/s2": (1e-9, 1e5),
+    "rad": (1e-9, 1e4),
+    "rad/s": (1e-12, 1e4),
+    "rad/m": (1e-12, 1e3),
+    "rad/(m/s)": (1e-12, 1e3),
+    "m2/s3": (1e-12, 1e9),
+    "rad2/s3": (1e-21, 1e3),
+    "rad2": (1e-21, 1e3),
+    "kg": (1e-3, 1e7),
+    "N": (1e-3, 1e9),
+    "degC": (1e-6, 1e3),
+    "Pa": (1e-3, 1e7),
+    "dB": (1e-6, 1e3),
+}
+PLAIN = (1e-12, 1e12)  # of a number without a unit
+
 PREFERRED = (
     "m",
     "s",

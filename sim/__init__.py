@@ -37,7 +37,8 @@ Data
     - ``air`` - density, temperature and pressure over the runway (aircraft.air)
     - ``mode`` - the kind of law that flies, ``modes`` - the classes of all laws that are named; ``law`` - what the file
       sets of it; ``designed`` - gains it brings along; ``parts`` - kinds from outside that are named
-    - ``sensors``, ``trackers`` - by name; ``departures`` from the law; ``checks``; ``study``
+    - ``sensors``, ``trackers`` - by name; ``departures`` from the law, ``sensor_faults``; ``contrasts`` of trackers;
+      ``checks``; ``study``
     - ``tables`` - the resolved file itself, in its own spelling
 - `Prepared` - all that one flight needs, built once (sim.flight.preparation)
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state
@@ -82,10 +83,12 @@ Data
 - `Tracked` - one tracker, its record and what that had wrong (sim.estimation.tracking_run)
     - ``tracker``, as it was set up; ``law_from`` - origin of the law it assumes, None = none known; ``measurements``
       that it was given; ``track``; ``curves`` - its errors over time, for figures (sim.metrics.error_curves);
-      ``rollout`` - its Track after the landing, or None
+      ``rollout`` - its Track after the landing, or None; ``squares`` - its squared errors by time where the scenario
+      contrasts it (sim.metrics.contrasts), or None
 - `Result` - what a run found out (sim.result)
-    - ``prepared``, ``scenario``; ``metrics`` - as in metrics.json, of all flights; ``broken`` - a sentence for each
-      check that failed; ``timing`` s; ``own`` - trackers that the caller brought
+    - ``prepared``, ``scenario``; ``metrics`` - as in metrics.json, of all flights; ``contrasted`` - sentences about
+      each pair of trackers that are set against each other; ``broken`` - one for each check that failed; ``timing`` s;
+      ``own`` - trackers that the caller brought
     - of one flight, the first or the only one, everything: its ``number``; ``flight``; ``records`` and ``tracks`` -
       SensorRecord and Tracked by name. ``sim.run(..., flight=3)`` has another
 

@@ -25,14 +25,17 @@ from sim.flight.departures import with_departure_events
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Flight
 from sim.metrics.checks import evaluate_checks, unknown_names
+from sim.metrics.contrasts.pairing import contrasts_of_flight
+from sim.metrics.ensemble.contrasts import contrasts_over_flights
 from sim.metrics.ensemble.spread import summary
 from sim.metrics.ensemble.trackers import over_flights
 from sim.metrics.ensemble.verdict import CRASHED, refuse_unfit, verdicts, worst_first
 from sim.metrics.flight import flight_metrics
 from sim.metrics.navigation import navigation_quality
+from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
-from sim.reporting.text.warnings import warnings
+from sim.reporting.text.warnings import contrast_warnings, warnings
 from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.axes import samples
@@ -90,7 +93,7 @@ def _fly(prepared: Prepared, number: int) -> Flight:
         if place is None:
             raise
         raise ScenarioError(f"{scenario.name}: {place} raises {said(error)} in flight") from None
-    return with_departure_events(flight, scenario.departures)
+    return with_fault_events(with_departure_events(flight, scenario.departures), scenario.sensor_faults)
 
 
 def run(
@@ -137,6 +140,8 @@ def run(
             refuse_unfit_run(scenario, trackers or {})
         else:
             scenario = drawn_for(scenario, flight, catalogue)
+            known = (*scenario.trackers, *(trackers or {}))
+            refuse_unfit(scenario.name, (), 1, known, contrasts=scenario.contrasts)
         prepared = prepare(scenario)
         check(prepared, trackers)
     if remark is not None:
@@ -151,9 +156,13 @@ def run(
     with timed(timing, "other_flights_s"):
         records += _others(prepared, numbers[len(records) :], trackers, workers, progress)
     before = _until(flown, found.records)
+    trackers_found, contrasts = found.trackers, [*found.contrasts.values()]
+    if len(records) > 1:
+        trackers_found, contrasts = over_flights(records), contrasts_over_flights(scenario.contrasts, records)
     told = [
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
+        *contrast_warnings(contrasts, trackers_found),
         *assumed_height.remarks(prepared, flown, before),
     ]
     metrics = {
@@ -164,7 +173,8 @@ def run(
         "versions": versions(digests(scenario.parts)),
         "flight": {**found.flight, "navigated": found.navigated},
         "flights_summary": summary(records),
-        "trackers": found.trackers if len(records) == 1 else over_flights(records),
+        "trackers": trackers_found,
+        "contrasts": contrasts,
         "checks": verdicts(checks, records),
         "warnings": [*told, *_about_study(scenario)] if flight is None else told,
     }
@@ -176,7 +186,8 @@ def run(
 def refuse_unfit_run(scenario: Scenario, own: Iterable[str] = ()) -> None:
     """Raise ``ScenarioError`` for checks that the flights of a run cannot answer; ``own`` are the caller's trackers."""
     more = "" if scenario.study is None else "; 'study' flies its [study]"
-    refuse_unfit(scenario.name, scenario.checks, scenario.repetitions, (*scenario.trackers, *own), more)
+    known = (*scenario.trackers, *own)
+    refuse_unfit(scenario.name, scenario.checks, scenario.repetitions, known, more, scenario.contrasts)
 
 
 def _about_study(scenario: Scenario) -> list[str]:
@@ -284,6 +295,7 @@ def recorded(prepared: Prepared, number: int, own: dict[str, Any] | None = None)
 def record_of(number: int, found: Evaluation) -> dict[str, Any]:
     """What is kept of a flight, as JSON holds it: its number, its figures, and what each check found."""
     figures = found.flight | ({"trackers": found.trackers, "navigated": found.navigated} if found.trackers else {})
+    figures |= {"contrasts": found.contrasts} if found.contrasts else {}
     if found.navigated is not None:  # the flight beside it is not its own
         figures["navigated"] = {key: value for key, value in found.navigated.items() if key != "on_truth"}
     record: dict[str, Any] = plain({"flight": number, "metrics": figures, "checks": found.checks})
@@ -302,6 +314,7 @@ class Evaluation(NamedTuple):
     tracks: dict[str, Tracked]
     flight: dict[str, Any]
     trackers: dict[str, Any]
+    contrasts: dict[str, Any]  # by pair
     navigated: dict[str, Any] | None
     checks: list[dict[str, Any]]
     timing: dict[str, float]
@@ -318,16 +331,18 @@ def evaluate(prepared: Prepared, flight: Flight, number: int = 0, own: dict[str,
     scenario = prepared.scenario
     timing: dict[str, float] = {}
     with timed(timing, "observe_s"):
-        records = observe(flight, scenario.sensors, scenario.seed, number, scenario.draws)
+        records = observe(flight, scenario.sensors, scenario.seed, number, scenario.draws, scenario.sensor_faults)
     with timed(timing, "track_s"):
         tracks, trackers = track(prepared, flight, records, own or {}, number)
     name = scenario.autopilot.navigation
     followed = tracks[name].track if name in tracks else None
     navigated = navigation_quality(prepared, flight, followed, trackers.get(name, {}))
     figures = flight_metrics(flight, scenario.runway, prepared.law.bank_limit, prepared.stall_speed)
-    every = {**figures, "navigated": navigated, "trackers": trackers}
+    squares = {name: one.squares for name, one in tracks.items() if one.squares is not None}
+    contrasts = contrasts_of_flight(scenario.contrasts, squares)
+    every = {**figures, "navigated": navigated, "trackers": trackers, "contrasts": contrasts}
     checks = evaluate_checks(scenario.checks, flight, scenario.runway, every)
-    return Evaluation(records, tracks, figures, trackers, navigated, checks, timing)
+    return Evaluation(records, tracks, figures, trackers, contrasts, navigated, checks, timing)
 
 
 def _until(flight: Flight, records: dict[str, SensorRecord]) -> dict[str, SensorRecord]:
@@ -388,7 +403,7 @@ def report(result: Result, folder: Path) -> None:
 
     with timed(result.timing, "report_s"):
         resolved = {**result.scenario.tables, "designed": result.prepared.gains.to_table()}
-        (folder / "scenario.toml").write_text(dumps(resolved))
+        (folder / "scenario.toml").write_text(dumps(resolved), encoding="utf-8")
         write_json(folder / "metrics.json", result.metrics)
         write_npz(folder / "flight.npz", flight_arrays(result.flight.whole))
         write_npz(folder / "measurements.npz", measurement_arrays(result.records))

@@ -13,6 +13,8 @@ from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
 from sim.reporting.text.broken_checks import broken_checks
+from sim.reporting.text.contrast_sentence import contrast_sentences
+from sim.reporting.text.reasons import Flown
 from sim.scenario.model import Scenario
 
 
@@ -33,6 +35,14 @@ class Result:
     def scenario(self) -> Scenario:
         """The scenario that was run."""
         return self.prepared.scenario
+
+    @property
+    def contrasted(self) -> list[str]:
+        """Sentences about each pair of trackers that are set against each other, over all flights: how far apart they
+        are, which is lost; and why, on the flight that is here."""
+        each = {one["flight"]: one["metrics"].get("trackers", {}) for one in self.metrics.get("each_flight", ())}
+        flown = Flown(self.scenario, self.prepared.law, self.flight, self.tracks)
+        return contrast_sentences(self.metrics, flown, each.get(self.number))
 
     @property
     def broken(self) -> list[str]:

@@ -404,3 +404,19 @@ def test_nothing_is_written_twice():
                 if first != path.name:
                     wrong.append(f"{first} and {path.name}:{lines[start][0]} {run[0]}")
     assert not wrong
+
+
+def test_text_is_utf_8_whatever_the_locale():
+    """Every text file is opened with its encoding: a locale must not decide what a file says."""
+    wrong = []
+    for path, tree in sources():
+        for node in ast.walk(tree):
+            if not isinstance(node, ast.Call) or any(one.arg == "encoding" for one in node.keywords):
+                continue
+            name = ast.unparse(node.func).rpartition(".")[2]
+            modes = [one.value for one in node.args if isinstance(one, ast.Constant) and isinstance(one.value, str)]
+            opened = name in ("open", "fdopen") and ast.unparse(node.func) != "os.open"
+            text = opened and not any("b" in mode for mode in modes)
+            if text or (name in ("read_text", "write_text") and isinstance(node.func, ast.Attribute)):
+                wrong.append(f"{path}:{node.lineno}")
+    assert not wrong

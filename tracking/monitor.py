@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from scipy.special import gammaincc
+from scipy.special import chdtri, gammaincc
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, merge
-from tracking.track import Tracker
+from tracking.track import Track, Tracker
 from tracking.tree import choose
 
 Array = Any
@@ -34,8 +34,16 @@ class Window(NamedTuple):
 class Verdict(NamedTuple):
     """What the window says."""
 
-    probability: Array  # (*B) of so large a sum if the model holds; 1 where nothing was measured
+    probability: Array  # (*B) of so large a sum if the model holds; 1 where nothing was measured, NaN of a lost run
     alarm: Array  # (*B) bool
+
+
+class Alarms(NamedTuple):
+    """The verdicts along a record, at its k epochs at which anything was measured."""
+
+    time: Array  # (k,) s
+    looked: Array  # (k, *B) bool, in which runs something was measured
+    alarm: Array  # (k, *B) bool
 
 
 @dataclass(frozen=True)
@@ -64,12 +72,36 @@ class NisMonitor:
         if innovation is None:
             return window, None
         degrees = np.isfinite(innovation.white).sum(axis=0)
-        nis = np.where(degrees > 0, innovation.nis, 0.0)
+        nis = _counted(innovation.nis, degrees)
         window = Window((*window.nis, nis)[-self.window :], (*window.degrees, degrees)[-self.window :])
-        freedom = sum(window.degrees)
+        freedom, total = sum(window.degrees), sum(window.nis)
         with np.errstate(invalid="ignore"):
-            probability = np.where(freedom > 0, gammaincc(0.5 * np.maximum(freedom, 1), 0.5 * sum(window.nis)), 1.0)
+            known = (freedom > 0) | np.isnan(total)
+            probability = np.where(known, gammaincc(0.5 * np.maximum(freedom, 1), 0.5 * total), 1.0)
         return window, Verdict(probability, ~(probability >= self.false_alarm_rate))  # NaN is an alarm
+
+    def watch(self, track: Track) -> Alarms:
+        """The verdicts of ``step`` along the record of a tracker, all at once.
+
+        A sum is compared with the quantile of its chi-square, one for each number of channels that a window can hold.
+        """
+        degrees = np.isfinite(track.white).sum(axis=1)
+        nis = _counted(np.asarray(track.nis), degrees)
+        looked = (degrees > 0) | np.isnan(nis)
+        epochs = looked.reshape(len(looked), -1).any(axis=1)
+        nis, degrees, looked = nis[epochs], degrees[epochs], looked[epochs]
+        total, freedom = np.zeros_like(nis), np.zeros_like(degrees)
+        for lag in reversed(range(min(self.window, len(nis)))):  # the oldest first, as in ``step``
+            total[lag:] += nis[: len(nis) - lag]
+            freedom[lag:] += degrees[: len(nis) - lag]
+        limit = chdtri(np.arange(1.0, freedom.max(initial=0) + 1.0), self.false_alarm_rate)
+        with np.errstate(invalid="ignore"):
+            alarm = ~(total <= np.concatenate(([np.inf], limit))[freedom])  # NaN is an alarm
+        return Alarms(np.asarray(track.time)[epochs], looked, alarm)
+
+
+MONITOR = NisMonitor(window=10, false_alarm_rate=1e-3)
+"""What watches every tracker of a run: one look in a thousand is alarmed while the model holds."""
 
 
 class MonitoredState(NamedTuple):
@@ -128,8 +160,13 @@ class Monitored:
         return self.tracker.step(self.tracker.begin(Gaussian(mean, wide)), 0.0, z, R)[0]
 
 
+def _counted(nis: Array, degrees: Array) -> Array:
+    """NIS of an epoch as a window keeps it: no measurement adds nothing, and a lost run (NaN) stays lost."""
+    return np.where((degrees > 0) | np.isnan(nis), nis, 0.0)
+
+
 def _emptied(window: Window) -> Window:
-    return Window(tuple(0.0 * nis for nis in window.nis), tuple(0 * degrees for degrees in window.degrees))
+    return Window(tuple(map(np.zeros_like, window.nis)), tuple(map(np.zeros_like, window.degrees)))
 
 
 def _mean(estimate: Gaussian | Mixture) -> Array:

@@ -3,11 +3,12 @@
 The realisations of `tracking.trackers.elevation` run unchanged on `Number`s; nothing is assumed about how they
 multiply. The print charges the inversion of an m x m matrix with m^3 multiplications and as many additions; the
 operations really counted stand beside it. Counting is dense, as in the print: multiplications by the zeros and ones
-of A and C count too, which flatters the stored gain.
+of A and C count too, which flatters the stored gain. A root or an exponential counts as a polynomial.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -19,6 +20,7 @@ from tracking.trackers.elevation import Model, arbitrary_gain, full, information
 Array = Any
 
 REALISATIONS = (1, 2, 3, 4)
+FUNCTION = 10  # of either operation for a root or an exponential: a polynomial of degree ten by Horner's rule
 
 
 class Operations(NamedTuple):
@@ -84,6 +86,24 @@ class Number:
 
     def __rsub__(self, other: Any) -> Number:
         return self._sum(_value(other) - self.value)
+
+    def __gt__(self, other: Any) -> bool:
+        """A comparison is a subtraction."""
+        self.tally.additions += 1
+        return self.value > _value(other)
+
+    def exp(self) -> Number:
+        """As `numpy.exp` calls it."""
+        return self._function(math.exp(self.value))
+
+    def sqrt(self) -> Number:
+        """As `numpy.sqrt` calls it."""
+        return self._function(math.sqrt(self.value))
+
+    def _function(self, value: float) -> Number:
+        self.tally.multiplications += FUNCTION
+        self.tally.additions += FUNCTION
+        return Number(value, self.tally)
 
 
 def _value(number: Any) -> float:
@@ -166,6 +186,73 @@ def counted(
         stored_gain(x, z, K, model.A, model.C)
     else:
         raise ValueError("realisation must be 1, 2, 3 or 4")
+    return tally.total()
+
+
+class Bank(NamedTuple):
+    """M models side by side with their weights, as `interacting` takes and gives it."""
+
+    weights: Array  # (M,)
+    means: Array  # (M, n)
+    covs: Array  # (M, n, n)
+
+
+def interacting(
+    bank: Bank, switching: Array, models: list[Model], z: Array, inverse: Callable[[Array], Array] = charged_inverse
+) -> tuple[Bank, Array, Array]:
+    """One cycle of interacting multiple models in plain matrices, with the merged mean and covariance.
+
+    The 15 steps of the print [Volovyk 2022, table 1] with the errata of `tracking.gaussian`; here to be counted. Rows
+    of ``switching`` are "from".
+    """
+    joint = switching * bank.weights[:, None]
+    predicted = joint.sum(axis=0)
+    shares = joint / predicted
+    means, covs, likelihoods = [], [], []
+    for model, share in zip(models, shares.T, strict=True):
+        x, P = _moments(bank._replace(weights=share))
+        x, P = model.A @ x, model.A @ P @ model.A.T + model.Q
+        PC = P @ model.C.T
+        S = model.C @ PC + model.R
+        information = inverse(S)
+        K, residual = PC @ information, z - model.C @ x
+        means.append(x + K @ residual)
+        covs.append((np.eye(len(x)) - K @ model.C) @ P)
+        density = np.exp(-0.5 * (residual @ information @ residual))
+        likelihoods.append(density / np.sqrt((2.0 * math.pi) ** len(z) * _determinant(S)))
+    posterior = predicted * np.array(likelihoods)
+    updated = Bank(posterior / posterior.sum(), np.array(means), np.array(covs))
+    return updated, *_moments(updated)
+
+
+def _moments(bank: Bank) -> tuple[Array, Array]:
+    """Mean and covariance of a mixture."""
+    mean = bank.weights @ bank.means
+    off = bank.means - mean
+    spread = bank.covs + off[:, :, None] * off[:, None]
+    return mean, (bank.weights[:, None, None] * spread).sum(axis=0)
+
+
+def _determinant(S: Array) -> Array:
+    """By elimination without pivoting, enough for a covariance."""
+    S, product = S.copy(), S[0, 0]
+    for k in range(1, len(S)):
+        for i in range(k, len(S)):
+            S[i, k:] = S[i, k:] - S[k - 1, k:] * (S[i, k - 1] / S[k - 1, k - 1])
+        product = product * S[k, k]
+    return product
+
+
+def counted_interacting(count: int, states: int, channels: int) -> Operations:
+    """Operations of one cycle of ``count`` interacting models, counted while it runs on dense matrices."""
+    tally = Tally()
+    plain = np.eye(states) + 0.1
+    model = Model(plain, plain, np.full((channels, states), 0.7) + np.eye(channels, states), np.eye(channels) + 0.1)
+    means = np.arange(float(count))[:, None] + np.ones(states)
+    bank = Bank(*(numbers(part, tally) for part in (np.full(count, 1.0 / count), means, np.stack([plain] * count))))
+    counting = Model(*(numbers(matrix, tally) for matrix in model))
+    switching = numbers(np.full((count, count), 1.0 / count), tally)
+    interacting(bank, switching, [counting] * count, numbers(np.ones(channels), tally))
     return tally.total()
 
 

@@ -31,6 +31,7 @@ Array = Any
 
 SPEED_TIME = 20.0  # s, in which an aircraft comes to the charted speed: 10 m/s at 0.5 m/s2
 SLOWEST = 1.0  # m/s: a target at rest has no course
+SHORTEST_SUB_STEP = 0.01  # s; a control that is held for less moves the same, and costs without end
 SUB_STEP = 1.0  # s, for which the control is held unless told otherwise: RMSE within 2 % of that of 0.25 s
 JUMP = 1e-2  # rad of bank over a millimetre: ten radians per metre are no law's slope
 CROSS_TRACK = ("cross_track", "cross_track_rate")
@@ -464,5 +465,5 @@ def check_tuning(acceleration_density: float, sub_step: float) -> None:
     """Raise ``ValueError`` where a process noise or a sub-step cannot be."""
     if not acceleration_density >= 0.0:
         raise ValueError(f"acceleration_density must not be negative, not {acceleration_density} m2/s3")
-    if not sub_step > 0.0:
-        raise ValueError(f"sub_step must be positive, not {sub_step} s")
+    if not sub_step >= SHORTEST_SUB_STEP:
+        raise ValueError(f"sub_step must be at least {SHORTEST_SUB_STEP} s, not {sub_step} s")

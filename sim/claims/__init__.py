@@ -46,7 +46,7 @@ def measured(
     progress: Any = None,
     folder: Path | None = None,
 ) -> list[Any]:
-    """Rows of the ledger; ``progress`` wraps the work as `sim.cli.progress.bar` does.
+    """Rows of the ledger; ``progress`` wraps the work as `sim.cli.terminal.bar` does.
 
     A second process takes a part of it. Rows are kept in ``folder`` until the pages are written there: an interrupted
     ledger goes on where it was stopped.

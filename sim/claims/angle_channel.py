@@ -40,18 +40,18 @@ def drawn(
 
 def along(
     generator: np.random.Generator,
-    runs: int,
     truth: Any,
     spread: Any,
     chain: Any = STEADY,
     factors: tuple[float, ...] = (1.0,),
 ) -> tuple[Any, Measurements, Gaussian]:
-    """Truth (steps, 1), measurements and prior on an angle that is flown; ``truth`` begins a step before the first."""
-    scale = accuracies(generator, runs, len(truth) - 1, chain, factors)
-    start = np.array([truth[0], (truth[1] - truth[0]) / PERIOD])
-    mean = start[:, None] + np.sqrt(np.diag(spread))[:, None] * generator.standard_normal((2, runs))
-    z = truth[1:, None] + SIGMA * scale * generator.standard_normal((len(truth) - 1, runs))
-    return truth[1:, None], record(z[:, None]), Gaussian(mean, spread)
+    """Truth (steps, runs), measurements and prior on angles that are flown; ``truth`` begins a step before."""
+    steps, runs = len(truth) - 1, truth.shape[1]
+    scale = accuracies(generator, runs, steps, chain, factors)
+    start = np.stack([truth[0], (truth[1] - truth[0]) / PERIOD])
+    mean = start + np.sqrt(np.diag(spread))[:, None] * generator.standard_normal((2, runs))
+    z = truth[1:] + SIGMA * scale * generator.standard_normal((steps, runs))
+    return truth[1:], record(z[:, None]), Gaussian(mean, spread)
 
 
 def accuracies(generator: np.random.Generator, runs: int, steps: int, chain: Any, factors: tuple[float, ...]) -> Any:

@@ -1,10 +1,14 @@
 """Flights of the bundled scenarios: six degrees of freedom under the measures of the ledger.
 
-The air is still or steady, so a scenario is one flight, whatever the seed: the runs of a row are draws of noise.
+`flown` is one flight as a scenario has it. A row of the ledger speaks of more than one: `flights` draws the start and
+a steady wind of each by the seed, within the ranges that it is given, and its interval is over flights. Noise is drawn
+within each flight, and a flight counts once, however many draws it has: `per_flight` gives the samples of
+`tracking.intervals.gain` and its like, whose Student's intervals hold for few, and `root_mean` that of one filter.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -13,7 +17,13 @@ import numpy as np
 from aircraft.state import AircraftState
 from sim.flight.interpolation import truth_at
 from sim.flight.record import RECORD_STEP, Flight
+from sim.randomness import stream
 from sim.scenario.tables import Runway
+from tracking.intervals import Interval, gain
+
+Ranges = tuple[tuple[str, float, float], ...]  # "table.key" and the ends between which it is drawn, uniformly
+WIND: Ranges = (("wind.from_deg", 0.0, 360.0), ("wind.speed_mps", 0.0, 10.0))  # steady
+KEPT = 96  # flights, of 1 to 3 MB
 
 
 class Flown(NamedTuple):
@@ -23,6 +33,7 @@ class Flown(NamedTuple):
     state: AircraftState
     runway: Runway
     law: Any
+    route: Any  # as its chart shows it, in the local frame of ``flight``: what trackers are told
 
     def rows(self, period: float) -> Any:
         """Rows of the record, one every ``period`` (s) after the start; a period is a number of records."""
@@ -40,9 +51,54 @@ class Flown(NamedTuple):
         return np.arctan2(height, distance), distance
 
 
-@lru_cache(maxsize=12)
+def flights(scenario: str, seed: int, count: int, ranges: Ranges, *changes: tuple[str, Any]) -> tuple[Flown, ...]:
+    """The first ``count`` flights of a scenario whose values are drawn within ``ranges``.
+
+    A flight hangs on the seed, its number and the ranges alone: more of them leave the first as they are, rows of any
+    paper share them, and the same flight under other ``changes`` has the same draws.
+    """
+    return tuple(
+        flown(scenario, *changes, *((key, _drawn(scenario, seed, number, key, low, high)) for key, low, high in ranges))
+        for number in range(count)
+    )
+
+
+def _drawn(scenario: str, seed: int, number: int, key: str, low: float, high: float) -> float:
+    return float(stream(seed, number, 0, f"claims.{scenario}.{key}").uniform(low, high))
+
+
+def side_by_side(records: Sequence[Any]) -> Any:
+    """Records (k, ...) of flights as one array (longest k, ..., flights), NaN behind the end of the shorter ones."""
+    longest = max(map(len, records))
+    out = np.full((longest, *np.shape(records[0])[1:], len(records)), np.nan)
+    for number, record in enumerate(records):
+        out[: len(record), ..., number] = record
+    return out
+
+
+def per_flight(values: Any, count: int) -> Any:
+    """Means (..., count) over the draws of each flight, of values (..., runs) that have the draws of a flight together.
+
+    NaN is a draw that has no value.
+    """
+    values = np.asarray(values, dtype=float)
+    return np.nanmean(values.reshape(*values.shape[:-1], count, -1), axis=-1)
+
+
+def root_mean(squares: Any, count: int) -> Interval:
+    """Root of the mean of squares (runs,) over flights, with Student's interval on its logarithm.
+
+    The chi-square interval of `tracking.intervals.rmse` trusts its own degrees of freedom, which a few flights do not
+    tell.
+    """
+    squares = per_flight(squares, count)
+    return gain(squares, np.ones_like(squares))
+
+
+@lru_cache(maxsize=KEPT)
 def flown(name: str, *changes: tuple[str, Any]) -> Flown:
     """A bundled scenario flown once, without its sensors and trackers; ``changes`` are ("table.key", value)."""
+    from sim.estimation.setup import charted_route
     from sim.experiment import fly, read
     from sim.flight.preparation import prepare
 
@@ -60,4 +116,4 @@ def flown(name: str, *changes: tuple[str, Any]) -> Flown:
         velocity_east=velocity_east,
         heading=(state.heading - runway.heading) % (2.0 * np.pi),
     )
-    return Flown(flight, turned, runway, prepared.law)
+    return Flown(flight, turned, runway, prepared.law, charted_route(prepared))

@@ -13,7 +13,7 @@ from sim.claims import plots_of
 from sim.claims.ledger import Row
 from sim.claims.plots import Plot
 from sim.claims.row_cache import FILE
-from sim.claims.table import figure, interval, summary
+from sim.claims.table import figure, interval, judged, runs, summary
 from sim.files import staged, write_json
 from sim.reporting.figures import style
 from sim.reporting.page import rendered
@@ -27,6 +27,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "dashed": {"linestyle": (0, style.DASHED)},
     "dots": {"linestyle": "none", "marker": ".", "markersize": 2.0},
     "places": {"linestyle": "none", "marker": "^", "markersize": 5.0},
+    "marks": {"linestyle": "none", "marker": "o", "markersize": 4.0},
 }
 
 
@@ -64,7 +65,7 @@ def page(title: str, rows: Sequence[Row], charts: dict[str, list[style.Chart]], 
 
 
 def _row(row: Row) -> dict[str, Any]:
-    claim, judged = row.claim, row.verdict or "measured"
+    claim = row.claim
     unit = f" {claim.unit}" if claim.unit else ""
     return {
         "name": claim.name,
@@ -74,15 +75,15 @@ def _row(row: Row) -> dict[str, Any]:
         "paper_runs": claim.paper_runs or ABSENT,
         "truth": claim.truth,
         "geometry_by": claim.geometry_by,
-        "verdict": judged,
-        "look": judged.replace(" ", "-"),
+        "verdict": judged(row),
+        "look": (row.verdict or "measured").replace(" ", "-"),
         "note": claim.note,
         "measured": [
             {
                 "reading": m.reading,
                 "value": figure(m.value) + unit,
                 "interval": ABSENT if m.low == m.high else interval(m),
-                "runs": ABSENT if m.low == m.high else m.runs,
+                "runs": ABSENT if m.runs <= 1 else runs(row, m),
             }
             for m in row.measured
         ],
@@ -91,12 +92,17 @@ def _row(row: Row) -> dict[str, Any]:
 
 def chart(plot: Plot) -> style.Chart:
     """A figure of a paper, drawn."""
-    drawn, (axes,) = style.panels(HEIGHT * (1.6 if plot.equal else 1.0))
+    named = any(curve.names for curve in plot.curves)
+    drawn, (axes,) = style.panels(HEIGHT * (1.6 if plot.equal or named else 1.0))
     colours = iter(style.TRACKERS)
     for curve in plot.curves:
         look: dict[str, Any] = LOOKS[curve.look]
-        colour = style.GREY if look["linestyle"] == "none" else next(colours)
+        colour = style.GREY if curve.look in ("dots", "places") else next(colours)
         axes.plot(np.asarray(curve.x), np.asarray(curve.y), color=colour, label=curve.label, **look)
+        for x, y, name in zip(curve.x, curve.y, curve.names, strict=False):
+            axes.annotate(name, (x, y), (2, -4), textcoords="offset points", rotation=-50, va="top", fontsize="small")
+    if named:
+        axes.margins(x=0.1)  # room for the last name
     if plot.logarithmic:
         logarithmic(axes)
     if plot.equal:

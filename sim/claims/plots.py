@@ -11,7 +11,8 @@ class Curve(NamedTuple):
     label: str
     x: Any
     y: Any
-    look: str = "line"  # or "dashed", "dots", "places"
+    look: str = "line"  # or "dashed", "dots", "places", "marks"
+    names: tuple[str, ...] = ()  # beside the points
 
 
 class Plot(NamedTuple):

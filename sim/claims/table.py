@@ -23,29 +23,41 @@ def interval(measured: Measured) -> str:
     return "-" if measured.low == measured.high else f"{figure(measured.low)} to {figure(measured.high)}"
 
 
+def runs(row: Row, measured: Measured) -> str:
+    """Independent runs, flights times the draws of each, or a dash where nothing is random."""
+    if measured.runs <= 1:
+        return "-"
+    return f"{measured.runs} x {row.claim.draws}" if row.claim.draws > 1 else str(measured.runs)
+
+
+def judged(row: Row) -> str:
+    """The verdict, and whether other draws may judge otherwise."""
+    if row.verdict is None:
+        return "measured"
+    return f"{row.verdict}, borderline" if row.borderline else row.verdict
+
+
 def table(rows: Sequence[Row]) -> str:
     """One line per claim, its other readings below it."""
     lines: list[tuple[str, ...]] = [HEADS]
     for row in rows:
         claim = row.claim
         printed = "-" if claim.printed is None else claim.printed.text
-        judged = row.verdict or "measured"
         unit = f" {claim.unit}" if claim.unit else ""
         if not row.measured:
-            lines.append((row.paper, claim.name, printed, "-", "-", "-", "-", judged))
+            lines.append((row.paper, claim.name, printed, "-", "-", "-", "-", judged(row)))
         for place, m in enumerate(row.measured):
             first = place == 0
             name = claim.name if first else f"  {m.reading}"
             lead = (row.paper, name, printed + unit if claim.printed else "-") if first else ("", name, "")
-            runs = str(m.runs) if m.low != m.high else "-"
             lines.append(
                 (
                     *lead,
                     figure(m.value) + unit,
                     interval(m),
-                    runs,
+                    runs(row, m),
                     claim.truth if first else "",
-                    judged if first else "",
+                    judged(row) if first else "",
                 )
             )
     widths = [max(len(line[i]) for line in lines) for i in range(len(HEADS))]
@@ -63,16 +75,16 @@ def summary(rows: Sequence[Row]) -> str:
         if row.verdict is None or claim.name.endswith(FLOWN):
             continue
         beside = flown.get((row.paper, claim.name))
-        six = "" if beside is None else f"{_first(beside, ends=False)}: {beside.verdict}"
+        six = "" if beside is None else f"{_first(beside, unit=False)}: {judged(beside)}"
         printed = "-" if claim.printed is None else f"{claim.printed.text} {claim.unit}".strip()
-        lines.append(f"| {row.paper} | {claim.words} | {printed} | {_first(row)} | {row.verdict} | {six} |")
+        lines.append(f"| {row.paper} | {claim.words} | {printed} | {_first(row)} | {judged(row)} | {six} |")
     return "\n".join(lines)
 
 
-def _first(row: Row, ends: bool = True) -> str:
+def _first(row: Row, unit: bool = True) -> str:
     """The reading that a row quotes."""
     if not row.measured:
         return "-"
     m = row.measured[0]
-    value = f"{figure(m.value)} {row.claim.unit}".strip() if ends else figure(m.value)
-    return f"{value} ({interval(m)})" if ends and m.low != m.high else value
+    value = f"{figure(m.value)} {row.claim.unit}".strip() if unit else figure(m.value)
+    return f"{value} ({interval(m)})" if m.low != m.high else value

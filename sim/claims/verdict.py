@@ -1,4 +1,16 @@
-"""The rule that turns what was printed and what was measured into a verdict: nobody writes one by hand."""
+"""The rule that turns what was printed and what was measured into a verdict: nobody writes one by hand.
+
+Each reading of a text is judged by its point estimate, inside what is printed, above it or below it:
+
+- all inside: reproduced; some inside: qualified;
+- none inside, all on the side that is better than printed: exceeded;
+- none inside, all on a side that is not: refuted; of a neutral number neither side is better;
+- none inside, some above and some below: not reproducible, since what lies between may have been meant;
+- nothing printed, or nothing measured: not testable here.
+
+Of several printed values each has its own claim. A row is borderline where the interval of a reading reaches across an
+end of what is printed and the verdict hangs on it: other draws may judge otherwise.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +19,7 @@ from collections.abc import Sequence
 from decimal import Decimal
 from typing import NamedTuple
 
+RESOLUTION = 0.01  # of its natural scale: as far as a figure is read, or a sentence that something is nothing
 REPRODUCED, QUALIFIED, EXCEEDED = "reproduced", "qualified", "exceeded"
 REFUTED, NOT_REPRODUCIBLE, NOT_TESTABLE = "refuted", "not reproducible", "not testable here"
 
@@ -41,13 +54,24 @@ def between(low: str, high: str, good: int = 0) -> Printed:
 
 
 def number(text: str, good: int = 0) -> Printed:
-    """A single number: all that rounds or truncates to its digits."""
+    """A single number: all that rounds or truncates to its digits; raises ``ValueError`` for a zero, see `zero`."""
     value = Decimal(text)
+    if not value:
+        raise ValueError(f"'{text}' has no digits that say how small is small: give the scale of what is nothing")
     digit = Decimal((0, (1,), int(value.as_tuple().exponent)))
     low, high = value - digit / 2, value + digit
     if value < 0:
         low, high = value - digit, value + digit / 2
     return Printed(text, float(low), math.nextafter(float(high), -math.inf), good)
+
+
+def zero(scale: float, good: int = 0) -> Printed:
+    """A printed 0, or a sentence such as "both are the same": within a hundredth of the natural scale of the quantity.
+
+    What rounds to a bare 0 hangs on the unit: 0.4 is 0 in per cent and 40 per cent is 0 as a share. So the row names
+    the ``scale``, in its own unit: 1 (or 100 %) for a probability, what an excess is relative to for an excess.
+    """
+    return Printed("0", -RESOLUTION * scale, RESOLUTION * scale, good)
 
 
 def above(threshold: float, text: str = "") -> Printed:
@@ -61,8 +85,8 @@ def at_most(limit: float) -> Printed:
 
 
 def verdict(values: Sequence[float], printed: Printed | None) -> str:
-    """Judge the point estimates of all readings of the text."""
-    sides = [] if printed is None else [printed.side(value) for value in values if math.isfinite(value)]
+    """Judge the point estimates of all readings of the text; NaN is a reading that nothing was measured of."""
+    sides = [] if printed is None else [printed.side(value) for value in values if not math.isnan(value)]
     if printed is None or not sides:
         return NOT_TESTABLE
     if 0 in sides:
@@ -70,3 +94,15 @@ def verdict(values: Sequence[float], printed: Printed | None) -> str:
     if len(set(sides)) > 1:
         return NOT_REPRODUCIBLE
     return EXCEEDED if sides[0] == printed.good else REFUTED
+
+
+def borderline(intervals: Sequence[tuple[float, float, float]], printed: Printed | None) -> bool:
+    """Whether the verdict hangs on where in its interval a reading lies; intervals are (value, low, high)."""
+    values = [value for value, _, _ in intervals]
+    judged = verdict(values, printed)
+    return any(
+        verdict([*values[:place], end, *values[place + 1 :]], printed) != judged
+        for place, (_, *ends) in enumerate(intervals)
+        for end in ends
+        if not math.isnan(end)
+    )

@@ -11,11 +11,25 @@ from typing import Annotated, Any
 
 import typer
 
+from sim.cli.endings import (
+    BAD_INPUT,
+    CHECK_FAILED,
+    FLIGHTS_CRASHED,
+    GOOD,
+    UNFORESEEN,
+    Interrupted,
+    Unwritable,
+    stop_code,
+    stopped_by_signals,
+    told_apart,
+    unforeseen,
+    written,
+)
+from sim.cli.terminal import prepared_streams, say
 from sim.errors import OutputError, ScenarioError, printable
 from sim.workers.blas import one_thread
 
 UsageError: Any = typer.BadParameter.__base__  # typer does not export it
-GOOD, CHECK_FAILED, BAD_INPUT, FLIGHTS_CRASHED, STOPPED = 0, 1, 2, 3, 130
 DEFAULT = "an26_pattern"
 
 app = typer.Typer(
@@ -73,13 +87,13 @@ def run(
     given = {"progress": _progress(), "plugins": plugins or (), "flight": flight, "workers": workers, "remark": remark}
     folder, result = experiment.run_to_folder(scenario, overrides, out, **given)
     if as_json:
-        typer.echo((folder / "metrics.json").read_text(), nl=False)
+        typer.echo((folder / "metrics.json").read_text(encoding="utf-8"), nl=False)
     else:
         from sim.cli.run_summary import summary
         from sim.reporting.text.broken_checks import run_again
 
         again = run_again(folder / "scenario.toml", plugins or ())
-        typer.echo(summary(result.metrics, again, result.prepared.warnings))
+        typer.echo(summary(result.metrics, again, result.prepared.warnings, result.contrasted))
         typer.echo(f"report: {folder / 'report.html'}")
     raise typer.Exit(_exit_code(result.metrics))
 
@@ -145,9 +159,9 @@ def _study(folder: Path, fly: Any, plugins: list[Path] | None) -> None:
     again = "".join(f" --plugin {file}" for file in plugins or ())
     try:
         metrics = fly(progress=_progress())
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}{again}", err=True)
-        raise typer.Exit(STOPPED) from None
+        raise typer.Exit(stop_code(stop)) from None
     typer.echo(study_summary(metrics, run_again(folder / "scenario.toml", plugins or ())))
     typer.echo(f"report: {folder / 'report.html'}")
     crashed = "crashed" in metrics["outcomes"]
@@ -198,9 +212,9 @@ def claims(
     with helper(len(chosen) > 1):
         try:
             rows = ledger.measured(chosen, seed, quick, _progress(), out)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as stop:
             typer.echo("stopped" if out is None else "stopped; the rows are kept; the same command goes on", err=True)
-            raise typer.Exit(STOPPED) from None
+            raise typer.Exit(stop_code(stop)) from None
         if out is not None:
             from sim.claims.page import write
 
@@ -240,9 +254,9 @@ def new(file: Annotated[Path, typer.Argument(help="The scenario file to make.")]
     name = file.name.removesuffix(".toml").removesuffix(".scenario")
     if file.suffix != ".toml" or not NAME.fullmatch(name):
         raise OutputError(f"{file}: name it NAME.toml; a NAME starts with a letter and has letters, digits, _ and -")
-    text = (resources.files("sim.scenario.bundled") / f"{DEFAULT}.toml").read_text()
+    text = (resources.files("sim.scenario.bundled") / f"{DEFAULT}.toml").read_text(encoding="utf-8")
     try:
-        with file.open("x") as made:
+        with file.open("x", encoding="utf-8") as made:
             made.write(text.replace(f'"{DEFAULT}"', json.dumps(name)))
     except FileExistsError:
         raise OutputError(f"{file}: exists already; choose another name") from None
@@ -350,7 +364,7 @@ def _progress() -> Any:
     """A progress bar on a terminal, silence elsewhere."""
     if not sys.stderr.isatty():
         return None
-    from sim.cli.progress import bar
+    from sim.cli.terminal import bar
 
     return bar
 
@@ -362,30 +376,46 @@ def _exit_code(metrics: dict[str, Any]) -> int:
     return CHECK_FAILED if failed else GOOD
 
 
+for _command in app.registered_commands:
+    assert _command.callback is not None
+    _command.callback = told_apart()(_command.callback)
+
+
 def main() -> None:
-    """Entry point: faults become sentences on standard error and exit code 2."""
+    """Entry point: faults become sentences on standard error, each kind with an exit code of its own."""
     one_thread()
+    prepared_streams()
+    with stopped_by_signals():
+        sys.exit(_ended())
+
+
+def _ended() -> Any:
+    """The exit code of the command that was asked for."""
     try:
-        code = app(standalone_mode=False)
+        return written(lambda: app(standalone_mode=False))
     except SystemExit:
-        typer.echo("shortfinal: a part or a model ends the process; it must raise an error instead", err=True)
-        sys.exit(BAD_INPUT)
-    except (KeyboardInterrupt, typer.Abort):
-        typer.echo("stopped", err=True)
-        sys.exit(STOPPED)
+        say("shortfinal: a part or a model ends the process; it must raise an error instead")
+        return BAD_INPUT
+    except Interrupted as stop:
+        say("stopped")
+        return stop.code
+    except Unwritable as error:
+        say(f"shortfinal: {error}")
+        return UNFORESEEN
     except UsageError as error:
         told = error.format_message()
         if "\n" in told:  # nothing was asked, and the help is the answer
             typer.echo(told)
         else:
             command = error.ctx.command_path if error.ctx else app.info.name
-            typer.echo(f"shortfinal: {printable(told).rstrip('.')}; see '{command} -h'", err=True)
-        sys.exit(BAD_INPUT)
+            say(f"shortfinal: {printable(told).rstrip('.')}; see '{command} -h'")
+        return BAD_INPUT
     except (ScenarioError, OutputError) as error:
         for line in str(error).splitlines():
-            typer.echo(f"shortfinal: {printable(line)}", err=True)
-        sys.exit(BAD_INPUT)
-    sys.exit(code)
+            say(f"shortfinal: {printable(line)}")
+        return BAD_INPUT
+    except Exception as error:
+        return unforeseen(error)
 
 
 if __name__ == "__main__":

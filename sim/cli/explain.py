@@ -11,13 +11,14 @@ from aircraft.trim import trim
 from autopilot.limit_cycles import limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
-from sim.cli.text_table import table
+from sim.cli.terminal import table
 from sim.estimation.setup import check, told
 from sim.flight import swings
 from sim.flight.departures import in_words
 from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared, prepare
 from sim.flight.weather import words
 from sim.metrics import windshear
+from sim.observation import faults
 from sim.scenario.model import Scenario
 from sim.scenario.tables import Check
 from sim.workers.isolation import run_isolated
@@ -37,6 +38,12 @@ def explain(scenario: Scenario) -> str:
         rows = [("the law is left at s", "what no tracker knows")]
         rows += [(f"{one.at:.0f}", in_words(one)) for one in sorted(scenario.departures, key=lambda one: one.at)]
         parts.append("\n".join(table(rows, 2)))
+    if scenario.sensor_faults:
+        rows = [("a sensor fails at s", "what no tracker knows")]
+        rows += [
+            (f"{one.at:.0f}", faults.in_words(one)) for one in sorted(scenario.sensor_faults, key=lambda one: one.at)
+        ]
+        parts.append("\n".join(table(rows, 2)))
     if scenario.sensors:
         kinds = {name: str(entry["kind"]) for name, entry in scenario.tables["sensors"].items()}
         rows = [("sensor", "kind", "measures", "every s")]
@@ -49,6 +56,10 @@ def explain(scenario: Scenario) -> str:
             for name, one in scenario.trackers.items()
         ]
         parts.append("\n".join(table(rows, 4)))
+    if scenario.contrasts:
+        rows = [("contrast of", "against", "called")]
+        rows += [(one.of, one.against, one.name or "-") for one in scenario.contrasts]
+        parts.append("\n".join(table(rows, 3)))
     if scenario.checks:
         rows = [("check", "during", "limit", "source")]
         rows += [(c.name or c.metric, _during(c.during), _limits(c), c.source) for c in scenario.checks]

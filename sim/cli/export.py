@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import importlib.util
 import itertools
+import json
+import math
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -15,10 +17,13 @@ import numpy as np
 
 from sim.errors import OutputError
 from sim.files import MARK, staged
+from sim.metrics.contrasts.pairing import TABLES
 from sim.reporting.run_files import with_unit
 from sim.studies.folder import IDENTITY, read_log
 
 RECORDS = ("flight", "measurements", "tracks")
+METRICS = "metrics.json"
+FIGURE = ("ratio", "low", "high", "of", "against", "n")  # of a contrast
 PER_CHANNEL = ("channels", "units")
 Columns = dict[str, np.ndarray]
 
@@ -26,10 +31,10 @@ Columns = dict[str, np.ndarray]
 def export(folder: Path, kind: str) -> list[Path]:
     """Write the records of a folder into the same folder, ``kind`` csv or parquet; returns the files written.
 
-    A run gives one file for the flight, each sensor and each tracker; sensors and trackers have one row for each epoch
-    and noise draw. A study gives one file with a row for each flight. Numbers are written in full; what is absent is an
-    empty cell, or null. Raises ``OutputError`` in one sentence for a folder that holds neither, or a record that is
-    missing or damaged.
+    A run gives one file for the flight, each sensor and each tracker, and one for contrasts if it has any; sensors and
+    trackers have one row for each epoch and noise draw. A study gives one file with a row for each flight. Numbers are
+    written in full; what is absent is an empty cell, or null. Raises ``OutputError`` in one sentence for a folder that
+    holds neither, or a record that is missing or damaged.
     """
     write = WRITERS[kind]
     if kind == "parquet":
@@ -49,11 +54,13 @@ def _tables(folder: Path) -> dict[str, Columns]:
         raise OutputError(f"{folder}: not a run folder; name one that 'shortfinal run' or 'study' wrote")
     if (folder / IDENTITY).is_file():
         return {"flights": _flights(folder)}
-    return {
+    found = {
         f"{record}.{group}" if group else record: _table(arrays)
         for record in RECORDS
         for group, arrays in _groups(_load(folder / f"{record}.npz")).items()
     }
+    rows = _contrasts(folder / METRICS)
+    return found | ({"contrasts": {name: np.array([row[name] for row in rows]) for name in rows[0]}} if rows else {})
 
 
 def _flights(folder: Path) -> Columns:
@@ -74,6 +81,25 @@ def _flights(folder: Path) -> Columns:
     rows.sort(key=lambda row: (row["cell"], row["sample"], row["flight"]))
     names = dict.fromkeys(name for row in rows for name in row)
     return {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
+
+
+def _contrasts(path: Path) -> list[dict[str, Any]]:
+    """One row for each figure of the contrasts of a run, over all its flights."""
+    try:
+        contrasts = json.loads(path.read_text(encoding="utf-8")).get("contrasts", []) if path.is_file() else []
+    except (OSError, ValueError):
+        raise OutputError(f"{path}: damaged; run the scenario again") from None
+    return [
+        {
+            **{"tracker": one["of"], "other": one["against"], "name": one["name"] or ""},
+            **{"table": table, "part": part, "channel": channel},
+            **{key: math.nan if figure[key] is None else figure[key] for key in FIGURE},
+        }
+        for one in contrasts
+        for table in TABLES
+        for part, by_channel in ({"": one[table]} if table == "overall" else one[table]).items()
+        for channel, figure in by_channel.items()
+    ]
 
 
 def _load(path: Path) -> Columns:

@@ -225,19 +225,19 @@ def write(models: Sequence[str], workers: int = 1) -> None:
     facts = dict(_shown(answers(described, models, workers), len(models)))
     known = {name: {"flap_settings": facts[name]["flap_settings"]} for name in models if "flap_settings" in facts[name]}
     others = {name: row for name, row in _kept(STOCK_TABLE, under).items() if name not in facts}
-    STOCK_TABLE.write_text(HEAD + toml.dumps(under | dict(sorted((others | known).items()))))
+    STOCK_TABLE.write_text(HEAD + toml.dumps(under | dict(sorted((others | known).items()))), encoding="utf-8")
     rates = dict(_shown(answers(converged, list(known), workers), len(known)))
     known = {name: _with_rate(row, rates.get(name, {})) for name, row in known.items()}
-    STOCK_TABLE.write_text(HEAD + toml.dumps(under | dict(sorted((others | known).items()))))
+    STOCK_TABLE.write_text(HEAD + toml.dumps(under | dict(sorted((others | known).items()))), encoding="utf-8")
     results = dict(_shown(answers(flown, list(known), workers), len(known)))
     rows = {name: _row(facts[name], results.get(name, {}), rates.get(name)) for name in models}
     others = _kept(TABLE, under).get("aircraft", {})
-    TABLE.write_text(HEAD + toml.dumps(under | {"aircraft": dict(sorted((others | rows).items()))}))
+    TABLE.write_text(HEAD + toml.dumps(under | {"aircraft": dict(sorted((others | rows).items()))}), encoding="utf-8")
 
 
 def _kept(path: Path, under: dict[str, Any]) -> dict[str, Any]:
     """Rows of a table, without its versions; none where the versions differ."""
-    table = tomllib.loads(path.read_text()) if path.is_file() else {}
+    table = tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     return table if table.pop("versions", None) == under["versions"] else {}
 
 

@@ -19,7 +19,7 @@ def scenario_lines() -> list[str]:
     """Bundled scenarios, then bundled studies, with the first comment line of each."""
     rows = []
     for name in (*catalogue.scenarios(), *catalogue.studies()):
-        first = catalogue.bundled(name).read_text().splitlines()[0]
+        first = catalogue.bundled(name).read_text(encoding="utf-8").splitlines()[0]
         rows.append((name, ("study: " if name in catalogue.studies() else "") + first.lstrip("# ").strip()))
     return _aligned(rows)
 
@@ -38,7 +38,7 @@ def kind_lines(plugins: Any = ()) -> list[str]:
         rows = []
         for kind in catalogue.kinds(family):
             spec = find_spec(f"{package}.{kind}")
-            text = "" if spec is None or spec.origin is None else Path(spec.origin).read_text()
+            text = "" if spec is None or spec.origin is None else Path(spec.origin).read_text(encoding="utf-8")
             rows.append((kind, (ast.get_docstring(ast.parse(text)) or " ").splitlines()[0]))
         own = [part for part in brought.parts if part.family == family]
         outside = [(part.kind, f"{_first_line(class_of(part))} [{part.origin}]") for part in own]
@@ -57,9 +57,9 @@ def aircraft_lines() -> list[str]:
     """Aircraft that a scenario can name, and how each of JSBSim's own flew when the table of the fleet was made."""
     from aircraft.model_files import available
     from sim.cli.fleet import TABLE
-    from sim.cli.text_table import table
+    from sim.cli.terminal import table
 
-    measured = tomllib.loads(TABLE.read_text()) if TABLE.is_file() else {"aircraft": {}}
+    measured = tomllib.loads(TABLE.read_text(encoding="utf-8")) if TABLE.is_file() else {"aircraft": {}}
     flown = measured["aircraft"]
     head = ("aircraft", "capture m/s", "approach m/s", *HEADINGS, "overshoot m", "bank deg", "straight in")
     rows, notes = [], []

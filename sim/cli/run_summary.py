@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from sim.cli.text_table import table
+from sim.cli.terminal import table
 from sim.metrics.conformance import conformance_sentence
 from sim.metrics.navigation import beside
 from sim.reporting.text.broken_checks import broken_checks
 
 MOST_REASONS = 3  # of flights that crashed, or were refused
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
+AHEAD = "position_m"  # what a look-ahead is about
 
 
-def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = ()) -> str:
+def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = (), contrasted: Sequence[str] = ()) -> str:
     """One sentence on what happened, the trackers, then the checks as an aligned table.
 
-    ``again`` is how a flight is flown again, as ``run_again`` gives it; ``said`` are warnings that were said.
+    ``again`` is how a flight is flown again, as ``run_again`` gives it; ``said`` are warnings that were said;
+    ``contrasted`` is what is said of the trackers that are set against each other.
     """
     flight, several = metrics["flight"], metrics["flights"] > 1
     if several:
@@ -27,6 +29,7 @@ def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = ()) -> st
         lines = [f"{metrics['scenario']}: {flight['reason']} ({flight['duration_s']:.0f} s, seed {metrics['seed']})"]
     why = (flight.get("navigated") or {}).get("why")
     lines += [f"why{' (flight 0)' if several else ''}: {why}"] if why else []
+    lines += ["", *contrasted] if contrasted else []
     rows = [
         (name, channel, figure["rmse"], figure["raw"], figure["gain"])
         for name, tracker in metrics["trackers"].items()
@@ -36,6 +39,8 @@ def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = ()) -> st
     if rows:
         header = ["tracker", "channel", "rmse", "raw", "gain"]
         lines += ["", *table([header, *([*row[:2], *map(_number, row[2:])] for row in rows)], 2)]
+    if any(one["overall"] for one in metrics.get("contrasts", ())):
+        lines += ["", *_contrasts(metrics["contrasts"])]
     twin = beside(flight)
     if twin:
         header = ["beside the same approach", "on the estimate", "on the truth"]
@@ -54,6 +59,19 @@ def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = ()) -> st
 
 def _ended(outcomes: dict[str, int]) -> str:
     return ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
+
+
+def _contrasts(contrasts: list[dict[str, Any]]) -> list[str]:
+    """How many times the errors of one tracker are those of another, as an aligned table; interval 95 %."""
+    rows = [["RMSE of", "over that of", "", "ratio", "from", "to"]]
+    for one in contrasts:
+        pair = [one["of"] + (f", {one['name']}" if one["name"] else ""), one["against"]]
+        found = [
+            *((c, figure) for c, figure in one["overall"].items() if c in SHOWN or not SHOWN & set(one["overall"])),
+            *((f"{AHEAD}, {span.removesuffix('_s')} s ahead", by.get(AHEAD)) for span, by in one["look_ahead"].items()),
+        ]
+        rows += [[*pair, what, *(_number(f[key]) for key in ("ratio", "low", "high"))] for what, f in found if f]
+    return table(rows, 3)
 
 
 def _checks(checks: list[dict[str, Any]], several: bool) -> list[str]:

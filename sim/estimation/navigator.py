@@ -16,9 +16,11 @@ from sim.estimation.prior import prior
 from sim.estimation.setup import build
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
+from sim.observation.faults import faulty
 from sim.observation.sensor import SensorError, looks_of
 from sim.observation.sensor import ask as ask_sensor
 from sim.randomness import Streams
+from sim.scenario.tables import SensorFault
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.track import TrackerError, ask, believed, stepped
 
@@ -67,6 +69,7 @@ class Navigator:
     altimeter: tuple[str, Any] | None = None
     seed: int = 0
     flight: int = 0
+    faults: tuple[SensorFault, ...] = ()
 
     @property
     def sensors(self) -> tuple[tuple[str, Any], ...]:
@@ -100,10 +103,12 @@ class Navigator:
     ) -> tuple[NavigatorState, AircraftState]:
         """The navigator's state one record later, and what the autopilot sees then; looks count from their arrival."""
         states, pending = [], list(sight.pending)
-        for index, (state, (_, sensor)) in enumerate(zip(sight.sensors, self.sensors, strict=True)):
+        for index, (state, (name, sensor)) in enumerate(zip(sight.sensors, self.sensors, strict=True)):
             state, looks = looks_of(sensor, state, before, after, 1)
             states.append(state)
-            pending += [(look.arrival, index, look.z, look.R) for look in looks]
+            own = [one for one in self.faults if one.sensor == name]
+            made = (faulty(look, sensor, own, before, after) for look in looks)
+            pending += [(look.arrival, index, look.z, look.R) for look in made]
         known = sorted((look for look in pending if look[0] <= after.time), key=lambda look: look[:2])
         late = tuple(look for look in pending if look[0] > after.time)
         sight = sight._replace(sensors=tuple(states), pending=late)
@@ -216,4 +221,5 @@ def navigator(prepared: Prepared, flight: int) -> Navigator | None:
         altimeter,
         scenario.seed,
         flight,
+        scenario.sensor_faults,
     )

@@ -10,13 +10,15 @@ import numpy as np
 
 from sim.errors import ScenarioError
 from sim.estimation.batching import can_batch, repeat_runs, split_track, stack_laws
-from sim.estimation.look_ahead import LookAhead
+from sim.estimation.look_ahead import LookAhead, Looks, instants_of, look_ahead_rmse
 from sim.estimation.prior import prior
 from sim.estimation.setup import adopt, build, height_profile, listened
 from sim.flight.outcomes import ROLLOUT
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics import conformance
+from sim.metrics.alarms import monitoring
+from sim.metrics.contrasts.squares import squared_errors
 from sim.metrics.error_curves import ErrorCurves, error_curves
 from sim.metrics.tracker import TrackerErrors, plot_errors, tracker_errors, tracker_metrics
 from sim.observation.record import SensorRecord, measurements
@@ -37,6 +39,7 @@ class Tracked(NamedTuple):
     track: Track  # to the end of the flight
     curves: ErrorCurves
     rollout: Track | None = None  # after the landing; None = nothing was measured then
+    squares: dict[str, Any] | None = None  # its squared errors by time (metrics.contrasts), where it is contrasted
 
 
 class Watch(NamedTuple):
@@ -73,7 +76,8 @@ def track(
     entries: list[Entry] = []
     for one in every.values():
         figures[one.name] = {
-            "kind": one.kind, "law_from": one.law_from, "overall": {}, "by_phase": {}, "conformance": None
+            "kind": one.kind, "law_from": one.law_from, "overall": {}, "by_phase": {}, "conformance": None,
+            "monitor": None,
         }  # fmt: skip
         seen = _between(arrived[one.sensors], -math.inf, float(flight.time[-1]))
         start = begins(prepared, one.name, one.sensors, seen, flight)
@@ -92,7 +96,7 @@ def track(
         for entry, outcome in zip(group, result, strict=True):
             until = _between(record, -math.inf, float(flight.time[-1]))
             tracked[entry.name] = Tracked(
-                entry.tracker, entry.law_from, until, outcome.track, outcome.curves, outcome.rollout
+                entry.tracker, entry.law_from, until, outcome.track, outcome.curves, outcome.rollout, outcome.squares
             )
             figures[entry.name] |= outcome.figures
     return {name: tracked[name] for name in every if name in tracked}, figures
@@ -140,6 +144,7 @@ class Outcome(NamedTuple):
     curves: ErrorCurves
     figures: dict[str, Any]
     rollout: Track | None = None
+    squares: dict[str, Any] | None = None
 
 
 def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Outcome]:
@@ -148,7 +153,7 @@ def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Ou
     begun = _prior(watch, first.name, first.tracker, first.start)
     sensors = {name: watch.prepared.scenario.sensors[name] for name in first.sensors}
     trackers = [entry.tracker for entry in group]
-    ahead = LookAhead(trackers, flight, record.arrival, sensors)
+    ahead = LookAhead(trackers, flight, instants_of(flight, watch.records), record.arrival, sensors)
     one = stack_laws(trackers, record.z.shape[2])
     try:
         made = run_tracker(one, *repeat_runs(record, begun, len(group)), first.start, ahead)
@@ -156,7 +161,7 @@ def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Ou
         if made.mean.shape[2] != draws:
             raise TrackerError(f"estimate gives {made.mean.shape[2]} draws, not {draws}")
         tracks = split_track(made, len(group))
-        looks = ahead.figures()
+        looks = ahead.looks()
     except TrackerError as error:
         raise ScenarioError(f"[trackers.{first.name}] {error}") from error
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
@@ -198,26 +203,35 @@ def _with_rollout(
     errors = tracker_errors(
         whole, sensors, rolling, plot_errors(whole, sensors, height_profile(watch.prepared), record)
     )
-    by_phase = tracker_metrics(whole, rolling, errors)["by_phase"]
-    own = {ROLLOUT: by_phase[ROLLOUT]} if ROLLOUT in by_phase else {}
-    figures = {**judged.figures, "by_phase": {**judged.figures["by_phase"], **own}}
-    return judged._replace(figures=figures, rollout=rolling._replace(cov=rolling.cov.astype(np.float32)))
+    figures = _with_phase(judged.figures, tracker_metrics(whole, rolling, errors))
+    squares = judged.squares
+    if squares is not None:
+        squares = _with_phase(squares, squared_errors(whole, rolling, errors))
+    rolled = rolling._replace(cov=rolling.cov.astype(np.float32))
+    return judged._replace(figures=figures, rollout=rolled, squares=squares)
 
 
-def _judged(
-    watch: Watch, entry: Entry, made: Track, errors: TrackerErrors, looked: dict[str, dict[str, float]]
-) -> Outcome:
+def _with_phase(tables: dict[str, Any], rolling: dict[str, Any]) -> dict[str, Any]:
+    """Tables of a tracker with what another has of the roll-out."""
+    own = {phase: table for phase, table in rolling["by_phase"].items() if phase == ROLLOUT}
+    return {**tables, "by_phase": {**tables["by_phase"], **own}}
+
+
+def _judged(watch: Watch, entry: Entry, made: Track, errors: TrackerErrors, looked: Looks) -> Outcome:
     """One track with its figures and curves; ``looked`` are the figures of its look-ahead."""
     seen = CONFORMANCE.watch(entry.tracker, made)
     figures = {
-        "look_ahead": looked,
+        "look_ahead": look_ahead_rmse(looked),
         **tracker_metrics(watch.flight, made, errors),
         "conformance": conformance.figures(seen, watch.prepared.departure),
+        "monitor": monitoring.figures(made, watch.prepared.fault(entry.sensors)),
     }
     sensors = {name: watch.prepared.scenario.sensors[name] for name in entry.sensors}
     curves = error_curves(watch.flight, sensors, made, errors)
+    contrasted = any(entry.name in (one.of, one.against) for one in watch.prepared.scenario.contrasts)
+    squares = {**squared_errors(watch.flight, made, errors), "look_ahead": looked} if contrasted else None
     # covariances are most of a run's memory, and only maps still read them
-    return Outcome(made._replace(cov=made.cov.astype(np.float32)), curves, figures)
+    return Outcome(made._replace(cov=made.cov.astype(np.float32)), curves, figures, squares=squares)
 
 
 def _groups(entries: list[Entry]) -> list[list[Entry]]:

@@ -88,6 +88,11 @@ class Prepared:
         """When the law that trackers assume is first left, s; None = never."""
         return min((one.at for one in self.scenario.departures), default=None)
 
+    def fault(self, sensors: tuple[str, ...]) -> float | None:
+        """When something first goes wrong that a tracker of these sensors is not told, s; None = never."""
+        worse = [one.at for one in self.scenario.sensor_faults if one.sensor in sensors and one.error_factor != 1.0]
+        return min((one for one in (self.departure, *worse) if one is not None), default=None)
+
     @property
     def airframe(self) -> AirframeChoice:
         """The aircraft model, its loading, its runway and its rate."""

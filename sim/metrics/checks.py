@@ -19,7 +19,7 @@ from sim.metrics import signals, table
 from sim.scenario.tables import Check, Runway
 
 EVERYWHERE = ("all", "gate")  # what ``during`` accepts besides the names of phases
-OF_TRACKERS = "trackers."  # figures whose names depend on the scenario
+OF_TRACKERS, OF_CONTRASTS = "trackers.", "contrasts."  # figures whose names depend on the scenario
 RATIOS = ("gain", "gain_low", "gain_high")  # figures of a tracker's channel that are no quantity of the channel
 
 
@@ -29,7 +29,7 @@ def evaluate_checks(
     """What every check found on one flight: ``value``, ``limit``, ``margin``, ``time_s``, ``passed``.
 
     A check whose phases were never flown has ``passed`` None; a scalar that the flight does not have fails. ``metrics``
-    are the flight's own, with the tables ``navigated`` and ``trackers``.
+    are the flight's own, with the tables ``navigated``, ``trackers`` and ``contrasts``, the latter by pair.
     """
     found = []
     for check in checks:
@@ -68,17 +68,19 @@ def _unknown(entry: dict[str, Any], metrics: tuple[str, ...]) -> list[str]:
     for phase in (during,) if isinstance(during, str) else during if isinstance(during, list | tuple) else ():
         if isinstance(phase, str) and phase not in phases:
             faults.append(f"during: no phase '{phase}'; {did_you_mean(phase, phases)}")
-    if isinstance(metric, str) and metric not in metrics and not metric.startswith(OF_TRACKERS):
+    if isinstance(metric, str) and metric not in metrics and not metric.startswith((OF_TRACKERS, OF_CONTRASTS)):
         faults.append(f"metric: no metric '{metric}'; {did_you_mean(metric, metrics)}")
     return faults
 
 
 def unit_of(metric: str) -> str:
-    """Unit suffix of what a check is about: that of its row, or that of a tracker's channel."""
+    """Unit suffix of what a check is about: that of its row, or that of the channel of a tracker or a contrast."""
     row = table.find(metric) or signals.find(metric)
     if row is not None:
         return row.unit
     *channel, own = metric.split(".")[2:] or [""]
+    if metric.startswith(OF_CONTRASTS) and own not in ("of", "against"):
+        return ""
     if own in RATIOS:
         return RATIOS[0]
     for part in (own, *reversed(channel)):
@@ -141,9 +143,18 @@ def _found(table: Any, parts: list[str]) -> tuple[bool, Any]:
     return False, None
 
 
-def tracker_figures(name: str, figures: dict[str, Any]) -> list[str]:
-    """Figures of a tracker that may have been meant, for "did you mean"."""
-    return [f"{OF_TRACKERS}{name}.overall.{channel}.rmse" for channel in figures["overall"]]
+def meant(metric: str, metrics: dict[str, Any]) -> list[str]:
+    """Figures of the tracker or contrast that a metric names, for "did you mean"; none where it has no figures."""
+    return [
+        f"{family}{name}.{own}"
+        for family, error in ((OF_TRACKERS, "rmse"), (OF_CONTRASTS, "ratio"))
+        for name, figures in metrics.get(family.rstrip("."), {}).items()
+        if metric.startswith(f"{family}{name}.")
+        for own in (
+            *(f"overall.{channel}.{error}" for channel in figures.get("overall", ())),
+            *(f"monitor.{key}" for key in figures.get("monitor") or ()),
+        )
+    ]
 
 
 def _signal(check: Check, signal: signals.Signal, flight: Flight, runway: Runway) -> dict[str, Any]:

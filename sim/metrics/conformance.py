@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from sim.metrics.alarms.detection import detection, percentiles
 from tracking.conformance import CONFORMANCE, Watched
 
-PERCENTILES = (5, 50, 95)
 MISMATCHED = "told wrong"  # `law_from` in metrics.json of a tracker whose assumed law is not the one that flies
 
 
@@ -39,40 +39,25 @@ def figures(watched: Watched | None, departure: float | None) -> dict[str, Any] 
     """
     if watched is None:
         return None
-    alarm, time = watched.alarm, watched.time
-    since = math.inf if departure is None else departure
-    early, late = (_first(alarm & during[:, None], time) for during in (time < since, time >= since))
-    standing = alarm[max(int(np.searchsorted(time, since)) - 1, 0)] if (time < since).any() else alarm[0] & False
-    answered = np.isfinite(late) & ~standing
-    first = np.fmin(early, late)
+    found = detection(watched.alarm, watched.time, departure)
+    first = np.fmin(found.early, found.late)
     raised = np.isfinite(first)
-    rows = np.searchsorted(time, first[raised])
+    rows = np.searchsorted(watched.time, first[raised])
     return {
         "told": watched.assumed,
         "looks_between_false_alarms": math.exp(watched.limit),
         "alarm_fraction": float(raised.mean()),
-        "alarm_time_s": _percentiles(first[raised]),
-        "false_alarm_fraction": float(np.isfinite(early).mean()),
+        "alarm_time_s": percentiles(first[raised]),
+        "false_alarm_fraction": float(np.isfinite(found.early).mean()),
         "departure_s": departure,
-        "detected_fraction": None if departure is None else float(np.isfinite(late).mean()),
-        "delay_s": None if departure is None else _percentiles(late[answered] - departure),
+        "detected_fraction": found.detected_fraction,
+        "delay_s": percentiles(found.delays),
         "believed_at_alarm": {
             name: float(belief[rows, np.flatnonzero(raised)].mean()) for name, belief in watched.belief.items()
         }
         if raised.any()
         else None,
     }
-
-
-def _first(alarm: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """(draws,) s of the first alarm, NaN = none."""
-    return np.where(alarm.any(axis=0), time[np.argmax(alarm, axis=0)], np.nan)
-
-
-def _percentiles(values: np.ndarray) -> dict[str, float] | None:
-    if not values.size:
-        return None
-    return {f"p{p}": float(np.percentile(values, p)) for p in PERCENTILES}
 
 
 def conformance_sentence(name: str, found: dict[str, Any]) -> str:

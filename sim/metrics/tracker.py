@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,14 +42,9 @@ def tracker_errors(flight: Flight, sensors: dict[str, Any], track: Track, plots:
 
 def tracker_metrics(flight: Flight, track: Track, errors: TrackerErrors) -> dict[str, Any]:
     """The figures of one tracker for metrics.json."""
-    truth, plots = errors.truth, errors.plots
+    truth = errors.truth
     figures: dict[str, Any] = {"overall": {}, "by_phase": {}}
-    for channel, compared in errors.estimates.items():
-        squares = comparison.squared(compared)
-        measured = comparison.squared(plots[channel]) if channel in plots else np.full_like(squares, np.nan)
-        looked = np.isfinite(measured).any(axis=1) if channel in plots else np.ones(len(squares), bool)
-        if not looked.any():
-            continue
+    for channel, squares, measured, looked in where_measured(errors):
         figures["overall"][channel] = _figure(squares[looked], measured[looked])
         for index in np.unique(truth.phase[looked]):
             chosen = looked & (truth.phase == index)
@@ -66,6 +62,20 @@ def tracker_metrics(flight: Flight, track: Track, errors: TrackerErrors) -> dict
     if rows.any():
         figures["anis"] = float(np.sum(np.where(rows > 0, track.nis, 0.0)) / rows.sum())
     return figures
+
+
+def where_measured(errors: TrackerErrors) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
+    """Channel, squared errors of estimates and of measurements (k, draws), and the epochs (k,) that count.
+
+    These are the epochs with a measurement in any draw; all of them in a channel that no sensor measures.
+    """
+    for channel, compared in errors.estimates.items():
+        squares = comparison.squared(compared)
+        plots = errors.plots.get(channel)
+        measured = np.full_like(squares, np.nan) if plots is None else comparison.squared(plots)
+        looked = np.ones(len(squares), bool) if plots is None else np.isfinite(measured).any(axis=1)
+        if looked.any():
+            yield channel, squares, measured, looked
 
 
 def _lost_time(time: np.ndarray, squares: np.ndarray, dimension: int) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -10,8 +11,10 @@ import numpy as np
 from aircraft.state import AircraftState
 from sim.errors import ScenarioError
 from sim.flight.record import Flight
+from sim.observation.faults import faulty
 from sim.observation.sensor import Look, SensorError, ask, looks_of
 from sim.randomness import Streams
+from sim.scenario.tables import SensorFault
 from tracking.track import Measurements
 
 
@@ -33,23 +36,35 @@ class SensorRecord(NamedTuple):
 
 
 def observe(
-    flight: Flight, sensors: dict[str, Any], seed: int, number: int = 0, draws: int = 1
+    flight: Flight,
+    sensors: dict[str, Any],
+    seed: int,
+    number: int = 0,
+    draws: int = 1,
+    faults: Iterable[SensorFault] = (),
 ) -> dict[str, SensorRecord]:
     """What every sensor measures along a flight and its roll-out, ``draws`` times with independent noise.
 
+    ``faults`` are those of a scenario, its ``sensor_faults``; without them every sensor errs as it states.
+
     Raises ``ScenarioError`` for a sensor that does not keep its contract.
     """
-    return {name: _watch(flight, name, sensor, Streams(seed, number, draws, name)) for name, sensor in sensors.items()}
+    return {
+        name: _watch(
+            flight, name, sensor, Streams(seed, number, draws, name), [one for one in faults if one.sensor == name]
+        )
+        for name, sensor in sensors.items()
+    }
 
 
-def _watch(flight: Flight, name: str, sensor: Any, streams: Streams) -> SensorRecord:
+def _watch(flight: Flight, name: str, sensor: Any, streams: Streams, faults: list[SensorFault]) -> SensorRecord:
     records = [AircraftState(*row) for row in np.column_stack(flight.whole.state).tolist()]
     looks: list[Look] = []
     try:
         state = ask(sensor, "begin", records[0].time, streams)
         for before, after in pairwise(records):
             state, seen = looks_of(sensor, state, before, after, streams.draws)
-            looks += seen
+            looks += [faulty(look, sensor, faults, before, after) for look in seen]
     except SensorError as error:
         raise ScenarioError(f"[sensors.{name}] {error}") from error
     m = len(sensor.channels)

@@ -16,6 +16,7 @@ from sim.reporting.text.labels import words
 from sim.reporting.tracker_figures.error_curves import Shown
 from tracking.height_profile import Charted
 
+LEAD = 10.0  # s, by which the replay opens before two trackers part
 MOST_STATES, MOST_ESTIMATES, MOST_PLOTS = 1200, 500, 1000  # of a flight, of each tracker, of each sensor
 
 
@@ -25,11 +26,13 @@ def replay(
     followed: list[Shown],
     records: dict[str, Any],
     chart: Charted | None = None,
+    parted: float | None = None,
 ) -> dict[str, Any] | None:
     """Plain lists for the script: metres along (x) and to the right of (y) the final course; None for no time at all.
 
     Heights are above the threshold; ``flown`` is the distance over the ground, the abscissa of the vertical profile.
-    Plots of a radar that measures neither elevation nor height are shown where the ``chart`` puts them.
+    Plots of a radar that measures neither elevation nor height are shown where the ``chart`` puts them. It opens a
+    little before the instant ``parted``, s, at which two trackers part; without one, with the flight.
     """
     if len(flight.time) < 2 or not np.isfinite(flight.state.north).all():
         return None
@@ -43,6 +46,7 @@ def replay(
     corners = turn @ np.array([leg.start for leg in flight.route.legs] + [flight.route.legs[-1].end]).T
     far = turn @ np.array(scenario.runway.to_local(RUNWAY_LENGTH * 1e3, 0.0))
     return {
+        "opens": round(float(flight.time[0] if parted is None else max(parted - LEAD, flight.time[0])), 1),
         "flight": {
             "t": _listed(flight.time[few], 3),
             "x": _listed(x),

@@ -17,9 +17,11 @@ from sim.reporting.figures.measurements import measurement_charts
 from sim.reporting.figures.style import Chart
 from sim.reporting.page import rendered, text_of
 from sim.reporting.replay import replay
+from sim.reporting.text.contrast_sentence import contrast_sentences, first_contrast
 from sim.reporting.text.header import first_screen
 from sim.reporting.text.labels import words
 from sim.reporting.text.outcome_sentence import first_clause
+from sim.reporting.text.reasons import Flown, apart
 from sim.reporting.text.references import FLIGHT_DYNAMICS, aircraft_sources, sources, what_ran
 from sim.reporting.text.rows import (
     beside_rows,
@@ -34,8 +36,8 @@ from sim.reporting.text.rows import (
     spread_rows,
 )
 from sim.reporting.text.tracker_tables import tracker_tables
-from sim.reporting.tracker_figures.charts import belief_charts, error_charts
-from sim.reporting.tracker_figures.error_curves import shown_trackers
+from sim.reporting.tracker_figures.charts import alarm_charts, belief_charts, contrast_chart, error_charts
+from sim.reporting.tracker_figures.error_curves import Shown, shown_trackers
 from sim.reporting.tracker_figures.model_probabilities import mode_names
 from sim.scenario.toml_writer import dumps
 from sim.versions import rows
@@ -107,17 +109,43 @@ def write(
     return path
 
 
+class Contrasted(NamedTuple):
+    """What the first screen has of the trackers that are set against each other."""
+
+    sentences: list[str]
+    chart: Chart | None = None
+    opens: str = ""  # what is said of where the replay opens
+    parted: float | None = None  # s
+
+
+NOTHING = Contrasted([])
+
+
+def _contrast(metrics: dict[str, Any], flown: Flown, shown: list[Shown], trackers: dict[str, Any]) -> Contrasted:
+    """Sentences of all contrasts, figure and replay of the first."""
+    told, first = contrast_sentences(metrics, flown, trackers), first_contrast(metrics)
+    if first is None:
+        return Contrasted(told)
+    found = apart(flown, first["of"], first["against"])
+    stretch = None if found is None else found.stretch
+    chart = contrast_chart(flown.flight, first, shown, stretch)
+    if stretch is None:
+        return Contrasted(told, chart)
+    opens = f"It opens shortly before {words(first['of'])} and {words(first['against'])} part."
+    return Contrasted(told, chart, opens, stretch.start)
+
+
 def _pages(scenario: Any, law: Any, metrics: dict[str, Any], flights: Iterable[Seen]) -> Iterator[dict[str, Any]]:
     """What the page says of each flight, while there is room; replay and head of the page are of the first."""
     room = LARGEST
     for place, seen in enumerate(flights):
-        page = _page(scenario, law, {**metrics, "flight": seen.figures, "trackers": seen.trackers}, seen, place == 0)
+        page = _page(scenario, law, metrics, seen, place == 0)
         if place > 0:
             every = len(page["charts"]) + len(page["tracker_charts"])
             page["charts"] = _fitting(page["charts"], room)
             page["tracker_charts"] = _fitting(page["tracker_charts"], room - _size(page["charts"]))
             page["left_out"] = every - len(page["charts"]) - len(page["tracker_charts"])
-        room -= _size(page["charts"]) + _size(page["tracker_charts"])
+        room -= _size([*page["charts"], *page["tracker_charts"], *([page["contrast"]] if page["contrast"] else [])])
         room -= len(json.dumps(page["replay"]))
         yield page
         if room < ROOM or page.get("left_out"):
@@ -135,7 +163,7 @@ def _fitting(charts: list[Chart], room: int) -> list[Chart]:
 
 
 def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first: bool) -> dict[str, Any]:
-    """One flight; ``metrics`` with its own figures in the places of those of the run."""
+    """One flight; ``metrics`` are those of the run."""
     flight, whole, trackers, tracked = seen.flight, seen.flight.whole, seen.trackers, seen.tracked
     flight_charts = current().later(charts, flight, scenario, law)
     modes = {
@@ -150,10 +178,16 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
     whole, end = flight.whole, float(flight.time[-1])
     airborne = {name: record.until(end) for name, record in seen.records.items()}
     errors = error_charts(scenario, flight, trackers, shown, airborne, seen.chart)
+    alarms = alarm_charts(flight, trackers, tracked, shown)
+    flown = Flown(scenario, law, flight, tracked)
+    contrast = _contrast(metrics, flown, shown, trackers) if is_first else NOTHING
+    own = {**metrics, "flight": seen.figures, "trackers": trackers}
     return {
-        **first_screen(scenario, flight, metrics, shown, seen.number),
+        **first_screen(scenario, flight, own, shown, seen.number, contrast.sentences),
+        "contrast": contrast.chart,
+        "opens": contrast.opens,
         "conformance": conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
-        "replay": replay(whole, scenario, shown, seen.records, seen.chart) if is_first else None,
+        "replay": replay(whole, scenario, shown, seen.records, seen.chart, contrast.parted) if is_first else None,
         "charts": [*flight_charts(), *measurement_charts(whole, scenario.sensors, seen.records)],
         "events": event_rows(whole),
         "outcome": words(seen.figures["outcome"]),
@@ -161,5 +195,5 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
         "last_state": last_state(flight),
         "flight_rows": halves(scalar_rows(seen.figures)),
         "beside": beside_rows(seen.figures),
-        "tracker_charts": [*errors, *beliefs()],
+        "tracker_charts": [*errors, *beliefs(), *alarms],
     }

@@ -37,7 +37,7 @@ class Sampled(NamedTuple):
 
 Axis = Listed | Sampled
 DISTRIBUTIONS = ("uniform", "normal", "latin_hypercube", "sobol")
-FIXED = ("name", "seed", "flights", "draws", "designed", "checks", "study")  # of a whole study; no axis
+FIXED = ("name", "seed", "flights", "draws", "designed", "contrasts", "checks", "study")  # of a whole study; no axis
 
 
 def axis(address: str, given: Any) -> Axis:

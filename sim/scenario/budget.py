@@ -44,7 +44,7 @@ def refuse_workers(workers: int) -> None:
 def available_memory() -> int | None:
     """Bytes that new data can have; None where the system does not say."""
     try:
-        rows = dict(line.split(":", 1) for line in Path("/proc/meminfo").read_text().splitlines())
+        rows = dict(line.split(":", 1) for line in Path("/proc/meminfo").read_text(encoding="utf-8").splitlines())
         return int(rows["MemAvailable"].split()[0]) << 10
     except (OSError, KeyError, ValueError):
         return None

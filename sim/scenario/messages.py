@@ -91,7 +91,7 @@ def fault(model: type[BaseModel], item: Any, owner: Callable[[list[Any], str], s
     message = item["msg"].removeprefix("Value error, ")
     plain = TOLD.get(item["type"], message[0].lower() + message[1:]).format(**item.get("ctx", {}))
     keys = [part for part in location if not (isinstance(part, str) and part.startswith(("function-", "constrained-")))]
-    if item["type"] == "value_error":
+    if item["type"] == "value_error" and isinstance(item.get("input"), dict):  # about a whole table
         return f"{_place(keys)}{plain}"
     if item["type"] == "missing" and keys and isinstance(keys[-1], int):
         keys, plain = keys[:-1], f"must have more than {keys[-1]} values"

@@ -13,9 +13,11 @@ from sim.scenario.tables import (
     AircraftChoice,
     AutopilotTable,
     Check,
+    Contrast,
     Departure,
     Route,
     Runway,
+    SensorFault,
     Start,
     StudyTable,
     WindTable,
@@ -58,6 +60,8 @@ class Scenario:
     sensors: dict[str, Any]
     trackers: dict[str, TrackerChoice]
     departures: tuple[Departure, ...]
+    sensor_faults: tuple[SensorFault, ...]
+    contrasts: tuple[Contrast, ...]
     checks: tuple[Check, ...]
     study: StudyTable | None
     tables: dict[str, Any] = field(repr=False)  # the resolved file

@@ -16,16 +16,16 @@ import typing
 from collections.abc import Callable
 from typing import Annotated, Any, ParamSpec, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
 
-from aircraft.units import spellings
+from aircraft.units import MAGNITUDES, PLAIN, spellings
 from sim.scenario.messages import stem
 
 P = ParamSpec("P")
 R = TypeVar("R")
 GIVEN = "given"
 INDICATED = "indicated"  # after the unit of a true airspeed; before an underscore, the beginning of its twin's keys
-Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+MOST = 10**9  # of whole numbers, either way
 
 
 def _cached(function: Callable[P, R]) -> Callable[P, R]:
@@ -77,27 +77,38 @@ def parameters(cls: type) -> tuple[Parameter, ...]:
     return tuple(found)
 
 
-def _numbers(hint: Any, unit: str | None) -> Any:
-    """The pydantic type of one field: finite strict numbers, tables for nested parameter classes."""
-    if hint is Any and unit is not None:
-        return Finite
-    if hint is float:
-        return Finite
+@_cached
+def _finite(unit: str | None, factor: float) -> Any:
+    """A strict number of a size that something real has; ``factor`` is that of a key to the SI unit."""
+    least, most = (float(f"{size / factor:.3g}") for size in (PLAIN if unit is None else MAGNITUDES[unit]))
+
+    def not_minute(value: float) -> float:
+        if value != 0.0 and abs(value) < least:
+            raise ValueError(f"must be 0 or at least {least:g} in size")
+        return value
+
+    return Annotated[float, Field(allow_inf_nan=False, strict=True, ge=-most, le=most), AfterValidator(not_minute)]
+
+
+def _numbers(hint: Any, unit: str | None, factor: float = 1.0) -> Any:
+    """The pydantic type of one key: finite strict numbers, tables for nested parameter classes."""
+    if hint is float or (hint is Any and unit is not None):
+        return _finite(unit, factor)
     if hint is int:
-        return Annotated[int, Field(strict=True)]
+        return Annotated[int, Field(strict=True, ge=-MOST, le=MOST)]
     if hint is bool:
         return Annotated[bool, Field(strict=True)]
     if isinstance(hint, type) and dataclasses.is_dataclass(hint):
         return model_of(hint)
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
     if origin in (types.UnionType, typing.Union):
-        return typing.Union[tuple(_numbers(a, unit) for a in arguments)]  # noqa: UP007 (built at run time)
+        return typing.Union[tuple(_numbers(a, unit, factor) for a in arguments)]  # noqa: UP007 (built at run time)
     if origin is tuple and len(arguments) == 2 and arguments[1] is Ellipsis:
-        return types.GenericAlias(list, (_numbers(arguments[0], unit),))
+        return types.GenericAlias(list, (_numbers(arguments[0], unit, factor),))
     if origin is tuple:
-        return types.GenericAlias(tuple, tuple(_numbers(a, unit) for a in arguments))
+        return types.GenericAlias(tuple, tuple(_numbers(a, unit, factor) for a in arguments))
     if origin is dict:
-        return types.GenericAlias(dict, (arguments[0], _numbers(arguments[1], unit)))
+        return types.GenericAlias(dict, (arguments[0], _numbers(arguments[1], unit, factor)))
     return hint
 
 
@@ -118,15 +129,16 @@ def model_of(
     fields: dict[str, Any] = {}
     wanted = [parameter for parameter in parameters(cls) if parameter.name not in without]
     for parameter in wanted:
-        hint = _numbers(parameter.kind, parameter.unit)
         required = parameter.required and not partial
         if len(parameter.keys) == 1 and required:
-            fields[next(iter(parameter.keys))] = (hint, ...)
+            ((key, factor),) = parameter.keys.items()
+            fields[key] = (_numbers(parameter.kind, parameter.unit, factor), ...)
         else:
             for key, factor in parameter.keys.items():
                 described = _default_in_words(parameter, factor)
                 if key in parameter.indicated_keys:
                     described = f"indicated airspeed, instead of '{parameter.name}', which is true"
+                hint = _numbers(parameter.kind, parameter.unit, factor)
                 fields[key] = (hint | None, Field(default=None, description=described))
     if kind is not None:
         fields["kind"] = (typing.Literal[kind], kind if defaulted_kind else ...)

@@ -28,10 +28,12 @@ from sim.scenario.tables import (
     AirTable,
     AutopilotTable,
     Check,
+    Contrast,
     Departure,
     LegsTable,
     PatternTable,
     Runway,
+    SensorFault,
     Start,
     StudyTable,
     WindTable,
@@ -174,6 +176,9 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         name: _tracker(faults, name, catalogue.load("trackers", entry["kind"]), entry, tables)
         for name, entry in tables.get("trackers", {}).items()
     }
+    for i, entry in enumerate(tables.get("sensor_faults", [])):
+        if (own := entry["sensor"]) not in sensors:
+            faults.append(f"[[sensor_faults]] entry {i} sensor: no sensor '{own}'; {did_you_mean(own, sensors)}")
     wind_table = tables.get("wind", {})
     events = {
         name: _event(faults, f"[wind.events.{name}]", catalogue.load("wind_events", entry["kind"]), entry, runway)
@@ -205,10 +210,16 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
                 _construct(faults, f"[[{several}]] entry {i}", cls, entry)
                 for i, entry in enumerate(tables.get(several, []))
             )
-            for several, cls in (("departures", Departure), ("checks", Check))
+            for several, cls in (
+                ("departures", Departure),
+                ("sensor_faults", SensorFault),
+                ("contrasts", Contrast),
+                ("checks", Check),
+            )
         },
         "study": table("study", StudyTable) if tables.get("study") is not None else None,
     }
+    faults += _told_twice(scenario["contrasts"])
     navigation = tables.get("autopilot", {}).get("navigation", "truth")
     if navigation != "truth" and navigation not in trackers:
         faults.append(
@@ -225,6 +236,16 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
     parts = sorted({part for family, kind in named if (part := catalogue.named(family, kind)) is not None})
     resolved = _resolved(tables, scenario)
     return Scenario(**{**scenario, "air": air}, tables=resolved, parts=tuple(parts))
+
+
+def _told_twice(contrasts: tuple[Contrast | None, ...]) -> list[str]:
+    """Faults of contrasts of two trackers that an earlier entry has already."""
+    pairs = [None if one is None else one.pair for one in contrasts]
+    return [
+        f"[[contrasts]] entry {number}: '{one.of}' against '{one.against}' is entry {pairs.index(one.pair)} already"
+        for number, one in enumerate(contrasts)
+        if one is not None and pairs.index(one.pair) < number
+    ]
 
 
 def _modes(faults: list[str], mode: str, departures: list[Any], catalogue: Catalogue) -> dict[str, type[Any]]:
@@ -334,8 +355,9 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
         name: {**tables["trackers"][name], "sensors": list(choice.sensors)}
         for name, choice in built["trackers"].items()
     }
-    if tables.get("departures"):
-        out["departures"] = list(tables["departures"])
+    for several in ("departures", "sensor_faults", "contrasts"):
+        if tables.get(several):
+            out[several] = list(tables[several])
     out["checks"] = list(tables.get("checks", []))
     out["study"] = tables.get("study")
     return out

@@ -17,6 +17,7 @@ from sim.scenario.axes import Axis, Sampled, axis
 FASTEST = 1000.0  # m/s, of anything that flies an approach
 HIGHEST_FLIGHT = 30_000.0  # m
 STARTS = {"downwind": 0, "base": 1, "final": 2}  # phases of a pattern on which a flight can begin, and their legs
+LARGEST_ERROR = 1000.0  # times that which a sensor states; beyond, it measures another thing
 FARTHEST = 1e6  # m from the threshold; the local metric is long wrong there
 
 
@@ -28,11 +29,11 @@ def _within(instance: Any, low: float, high: float, unit: str, *names: str) -> N
             raise ValueError(f"{name.rstrip('_')} must lie within {low:g} and {high:g} {unit}")
 
 
-def _one_line(instance: Any, *names: str) -> None:
+def _one_line(instance: Any, about: str, *names: str) -> None:
     """Refuse texts that would move the cursor of a terminal, or turn the writing round."""
     for name in names:
         if any(unicodedata.category(letter) in ("Cc", "Cf") for letter in getattr(instance, name) or ""):
-            raise ValueError(f"the {name} of the check of '{instance.metric}' must be plain text on one line")
+            raise ValueError(f"the {name} of the {about} must be plain text on one line")
 
 
 @dataclass(frozen=True)
@@ -300,7 +301,7 @@ class Check:
     source: str = ""
 
     def __post_init__(self) -> None:
-        _one_line(self, "name", "source")
+        _one_line(self, f"check of '{self.metric}'", "name", "source")
         for name in ("share", "confidence", "probability_max"):
             value = getattr(self, name)
             if value is not None and not 0 < value < 1:
@@ -314,6 +315,8 @@ class Check:
             raise ValueError(
                 f"the check of '{self.metric}' has a confidence and no share: say share = 0.95, or another"
             )
+        if not self.during:
+            raise ValueError(f"the check of '{self.metric}' has an empty 'during': name a phase, or leave it out")
         if self.max is None and self.min is None:
             raise ValueError(f"the check of '{self.metric}' needs 'max' or 'min'")
         if self.max is not None and self.min is not None and self.max < self.min:
@@ -325,6 +328,25 @@ class Check:
     def required_share(self) -> float | None:
         """The share of flights that must keep it; None = every flight."""
         return self.share if self.probability_max is None else 1.0 - self.probability_max
+
+
+@dataclass(frozen=True)
+class Contrast:
+    """Two trackers that are set against each other: by how much the errors of one exceed those of the other."""
+
+    of: str
+    against: str
+    name: str | None = None  # a label, such as "each at its best"
+
+    def __post_init__(self) -> None:
+        _one_line(self, f"contrast of '{self.of}'", "name")
+        if self.of == self.against:
+            raise ValueError(f"a contrast needs two trackers, and '{self.of}' is one: give the other its own name")
+
+    @property
+    def pair(self) -> str:
+        """What checks call it."""
+        return f"{self.of}/{self.against}"
 
 
 @dataclass(frozen=True)
@@ -348,6 +370,25 @@ class Departure:
                 raise ValueError(f'{name} belongs to flies = "{name}", and to nothing else')
         if self.bank is not None and not abs(self.bank) <= math.radians(60):
             raise ValueError("bank must be at most 60 degrees to either side")
+
+
+@dataclass(frozen=True)
+class SensorFault:
+    """From a time on a sensor errs more, or less, than it states, and no tracker knows.
+
+    Its error is ``error_factor`` times what it would have been, so that its variance is the square of that times R.
+    Of the entries of a sensor the last whose time has come counts; a factor of 1 ends the fault.
+    """
+
+    at: Annotated[float, "s"]
+    sensor: str
+    error_factor: float
+
+    def __post_init__(self) -> None:
+        if not self.at >= 0.0:
+            raise ValueError("at must not be negative")
+        if not 0.0 < self.error_factor <= LARGEST_ERROR:
+            raise ValueError(f"error_factor must be above 0 and at most {LARGEST_ERROR:g}")
 
 
 @dataclass(frozen=True)

@@ -98,7 +98,7 @@ def label(name: str) -> str:
     above, slash, below = name.partition(" / ")
     if slash:
         return f"{label(above)} / {label(below)}"
-    own = name.removeprefix("trackers.").removeprefix("wind.events.")
+    own = name.removeprefix("trackers.").removeprefix("contrasts.").removeprefix("wind.events.")
     text, unit = named(name) if table.find(name) else split(own.replace(".overall.", " ").replace(".", " "))
     return f"{text}, {unit}" if unit else text
 

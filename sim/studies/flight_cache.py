@@ -27,7 +27,8 @@ from sim.flight.preparation import Prepared
 from sim.flight.record import Event, Flight
 from sim.versions import versions
 
-WITHOUT = ("name", "flights", "draws", "sensors", "trackers", "checks", "study")  # of a scenario: not of its flights
+# of a scenario, but not of its flights
+WITHOUT = ("name", "flights", "draws", "sensors", "trackers", "contrasts", "checks", "study")
 LARGEST_CACHE = 1 << 30  # bytes in one study folder
 RESERVE = 1 << 30  # bytes of the disk that are left to others
 ENDING = ".flight"

@@ -80,14 +80,14 @@ def check_study(folder: Path, seed: int, anyway: bool = False, parts: Iterable[P
 def read_scenario(folder: Path) -> str:
     """The resolved scenario file of a study folder."""
     try:
-        return (folder / SCENARIO).read_text()
+        return (folder / SCENARIO).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
         raise OutputError(f"{folder}: is no study folder: it has no {SCENARIO}") from None
 
 
 def _identity_of(folder: Path) -> dict[str, Any]:
     try:
-        found = json.loads((folder / IDENTITY).read_text())
+        found = json.loads((folder / IDENTITY).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         found = None
     if not isinstance(found, dict) or not _are_versions(found.get("versions", {})):

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from sim.metrics.ensemble.contrasts import contrasts_over_flights
 from sim.metrics.ensemble.spread import outcomes, spread, spreads
 from sim.metrics.ensemble.verdict import CRASHED, REFUSED, verdicts
 from sim.scenario.axes import Axis, Listed
-from sim.scenario.tables import Check
+from sim.scenario.tables import Check, Contrast
 
 
 def study_metrics(
     axes: Sequence[Axis],
     records: Sequence[dict[str, Any]],
     checks: Sequence[Check],
+    contrasts: Sequence[Contrast] = (),
 ) -> dict[str, Any]:
     """Axes, rows and checks, as in metrics.json; ``records`` sorted by cell, sample and flight."""
     why = {"crashes": reasons(records, CRASHED), "refusals": reasons(records, REFUSED)}
@@ -25,7 +27,7 @@ def study_metrics(
         "axes": {one.address: describe(one) for one in axes},
         "outcomes": outcomes(records),
         **{name: said for name, said in why.items() if said},
-        "rows": [row(axes, cells[number]) for number in sorted(cells)],
+        "rows": [row(axes, cells[number], contrasts) for number in sorted(cells)],
         "checks": verdicts(checks, records),
     }
 
@@ -42,10 +44,14 @@ def describe(axis: Axis) -> dict[str, Any]:
     return {axis.distribution: [axis.first, axis.second]}
 
 
-def row(axes: Sequence[Axis], records: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """One cell: its chosen values, the spread of its drawn ones, and that of every figure over its flights."""
+def row(axes: Sequence[Axis], records: Sequence[dict[str, Any]], contrasts: Sequence[Contrast] = ()) -> dict[str, Any]:
+    """One cell: its chosen values, the spread of its drawn ones, and that of every figure over its flights.
+
+    ``contrasts`` are pooled over them; their figures of single flights are spread as all others.
+    """
     found: dict[str, Any] = {"outcomes": outcomes(records)}
     for one in axes:
         values = [record["values"][one.address] for record in records]
         found[one.address] = values[0] if isinstance(one, Listed) else spread(values)
+    found["contrasts"] = contrasts_over_flights(contrasts, records)
     return found | spreads(records)

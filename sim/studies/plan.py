@@ -23,7 +23,8 @@ from sim.studies.job import with_values
 from sim.studies.theory import THEORIES
 
 LARGEST_STUDY = 100_000  # flights
-UNDESIGNED = ("name", "seed", "flights", "draws", "until_s", "start", "wind", "sensors", "trackers", "checks")
+OBSERVED = ("draws", "sensors", "sensor_faults", "trackers", "contrasts", "checks")
+UNDESIGNED = ("name", "seed", "flights", "until_s", "start", "wind", *OBSERVED)
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,8 @@ def plan(scenario: Scenario, plugins: Any = ()) -> Study:
     if faults:
         raise ScenarioError("\n".join(f"{scenario.name}: {fault}" for fault in faults))
     planned = Study(scenario, table, axes, cells(axes), samples(axes, table.samples, scenario.seed), parts)
-    refuse_unfit(scenario.name, scenario.checks, scenario.flights * table.samples, scenario.trackers)
+    size = scenario.flights * table.samples
+    refuse_unfit(scenario.name, scenario.checks, size, scenario.trackers, contrasts=scenario.contrasts)
     return planned
 
 

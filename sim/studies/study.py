@@ -143,7 +143,7 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
         "flights": len(ordered),
         "samples": planned.table.samples,
         "versions": versions(digests(planned.parts)),
-        **study_metrics(planned.axes, ordered, scenario.checks),
+        **study_metrics(planned.axes, ordered, scenario.checks, scenario.contrasts),
     }
     try:
         replace(folder / folders.LOG, "".join(lines))

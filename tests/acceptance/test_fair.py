@@ -43,7 +43,9 @@ def followed(what):
     found = {name: [] for name in TRACKERS}
     for seed in SEEDS:
         kept = {name: everyone[name] for name in TRACKERS}
-        prepared = prepare(read("an26_pattern", {"seed": seed, "trackers": kept, "checks": [], **CHANGES[what]}))
+        prepared = prepare(
+            read("an26_pattern", {"seed": seed, "trackers": kept, "checks": [], "contrasts": [], **CHANGES[what]})
+        )
         scenario = prepared.scenario
         if flight is None or "turbulence" in what:
             flight = fly(prepared)

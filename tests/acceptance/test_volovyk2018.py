@@ -161,8 +161,8 @@ def orders() -> dict[str, Elevation]:
 
     Tuned on 40 runs over factors of 3 (orders 1, 2) and of 10 and 4 (order 3).
 
-    Printed variances of the angular acceleration are labels (no recipe gives them); they are read here as what their
-    unit says: (deg/s^2)^2 of a Singer process with the printed second of correlation.
+    Printed variances of the angular acceleration are labels (the recipe gives none of them); they are read here as what
+    their unit says: (deg/s^2)^2 of a Singer process with the printed second of correlation.
     """
 
     def singer_of(variance: float, time: float) -> Elevation:

@@ -21,6 +21,13 @@ from sim.studies.plan import designed_cells, plan
 from tests.capture import CAPTURE
 from tests.sim.known_faults import FLIGHTS, TABLES, files
 
+CONTRASTED = {
+    **TABLES,
+    "trackers": {"plain": {"kind": "kalman"}, "other": {"kind": "saturated_control"}},
+    "contrasts": [{"of": "plain", "against": "other"}],
+    "checks": [{"metric": "contrasts.plain/other.overall.position_m.low", "min": 0.01}],
+}
+
 
 def test_a_fault_of_any_flight_fails_and_names_it(tmp_path, inline, monkeypatch):
     monkeypatch.setattr("sim.studies.page.page", lambda *given: "")  # drawn elsewhere
@@ -49,9 +56,26 @@ def test_a_fault_of_any_flight_fails_and_names_it(tmp_path, inline, monkeypatch)
 def test_workers_give_the_same_figures():
     with pytest.raises(sim.ScenarioError, match="workers must be at least 1, not 0"):
         sim.run({"name": "s", **TABLES}, workers=0)
-    tables = {"name": "s", "flights": 2, **TABLES, "until_s": 10.0, "checks": [{"metric": "bank_deg", "max": 9.0}]}
+    tables = {"name": "s", "flights": 2, **CONTRASTED, "until_s": 10.0}
     here, there = (sim.run(tables, workers=workers) for workers in (1, 2))
     assert json.dumps(here.metrics, sort_keys=True) == json.dumps(there.metrics, sort_keys=True)
+    assert here.metrics["contrasts"][0]["overall"]["position_m"]["n"] == 2
+
+
+def test_a_contrast_is_the_same_in_a_run_in_a_study_and_of_one_flight(tmp_path, inline, monkeypatch):
+    monkeypatch.setattr("sim.studies.page.page", lambda *given: "")
+    tables = {"name": "s", "flights": 2, **CONTRASTED, "until_s": 12.0}
+    metrics = sim.run(tables).metrics
+    theirs = studies.study({**tables, "study": {"samples": 1}}, tmp_path / "o", inline())
+    (row,) = theirs["rows"]
+    assert row["contrasts"] == json.loads(json.dumps(metrics["contrasts"]))
+    assert theirs["checks"] == json.loads(json.dumps(metrics["checks"]))
+    kept = [record["metrics"]["contrasts"]["plain/other"] for record in metrics["each_flight"]]
+    lows = [one["overall"]["position_m"]["low"] for one in kept]
+    (check,) = metrics["checks"]
+    assert (check["value"], check["flight"]) == (min(lows), lows.index(min(lows)))
+    assert sim.run(tables, flight=1).metrics["contrasts"] == [kept[1]]
+    assert row["contrasts.plain/other.overall.position_m.low"]["n"] == 2
 
 
 def test_the_page_begins_with_the_worst_flight_and_the_command_flies_it_again(tmp_path, command):

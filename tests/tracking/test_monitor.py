@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, merge
 from tracking.intervals import mean_interval
 from tracking.measurement import LinearMeasurement
 from tracking.monitor import Monitored, NisMonitor
 from tracking.motion import ConstantVelocity, planar_constant_velocity
-from tracking.track import Measurements, follow, track
+from tracking.track import Measurements, Track, follow, track
 from tracking.trackers.gated import Gated
 from tracking.trackers.imm import InteractingMultipleModel, improved_set
 from tracking.trackers.kalman import Kalman
@@ -165,3 +166,61 @@ def test_parameters_in_range():
         NisMonitor(window=0)
     with pytest.raises(ValueError, match="between 0 and 1"):
         NisMonitor(false_alarm_rate=0.0)
+
+
+# ---- along a record, all at once ----------------------------------------------------------------------------------
+
+
+def stepped(monitor: NisMonitor, followed: Track, measured: np.ndarray) -> np.ndarray:
+    """The alarms of ``step`` on the innovations of a record, at the epochs (k,) at which anything was measured."""
+    window, found = monitor.begin(), []
+    for row in np.flatnonzero(measured):
+        innovation = Innovation(followed.white[row], followed.nis[row], followed.log_likelihood[row])
+        window, verdict = monitor.step(window, innovation)
+        found.append(verdict.alarm)
+    return np.stack(found)
+
+
+@pytest.mark.parametrize("window", [1, 7, 100])
+def test_along_a_record_the_verdicts_are_those_of_the_steps(window):
+    """Channels, epochs and runs with holes, a jump, a lost run, and a window longer than the record."""
+    _, measurements = record(40, 50, seed=12, turn_after=20)
+    z = np.where(np.random.default_rng(3).random(measurements.z.shape) < 1 / 3, np.nan, measurements.z)
+    z[[5, 6, 30]] = np.nan
+    holes = Measurements(measurements.channels, measurements.time, measurements.arrival, z, measurements.R)
+    followed = track(Kalman(POSITION, ConstantVelocity(0.3)), holes, PRIOR, start=0.0)
+    measured = np.isfinite(followed.white).any(axis=(1, 2))
+    lost = followed.nis.copy()
+    lost[25:, 3] = np.where(measured[25:], np.nan, 0.0)
+    followed = followed._replace(nis=lost)
+    monitor = NisMonitor(window, 0.01)
+    found = monitor.watch(followed)
+    assert found.time.tolist() == followed.time[measured].tolist()
+    assert len(found.time) == 37
+    np.testing.assert_array_equal(found.alarm, stepped(monitor, followed, measured))
+    assert 0.02 < found.alarm.mean() < 0.98
+    assert found.alarm[-1, 3]
+    assert found.looked[:, 0].sum() == np.isfinite(followed.white[:, :, 0]).any(axis=1).sum()
+
+
+def test_a_lost_run_is_an_alarm_although_nothing_of_it_is_white():
+    """A filter whose state is NaN gives no residuals: that is not the same as having measured nothing."""
+    tracker = Kalman(POSITION, ConstantVelocity(0.3))
+    mean = np.where(np.arange(2) == 1, np.nan, PRIOR.mean[:, None])
+    state = tracker.begin(Gaussian(mean, PRIOR.cov[..., None]))
+    _, innovation = tracker.step(state, 1.0, np.zeros((2, 2)), 400.0 * np.eye(2)[..., None])
+    monitor = NisMonitor(4, 1e-9)
+    window, verdict = monitor.step(monitor.begin(), innovation)
+    assert np.isnan(innovation.white[:, 1]).all()
+    assert verdict.alarm.tolist() == [False, True]
+    assert monitor.step(window, Innovation(np.full((2, 2), np.nan), np.zeros(2), np.zeros(2)))[1].alarm[1]
+
+
+@pytest.mark.parametrize("window", [1, 10])
+def test_a_matched_filter_is_alarmed_as_often_as_stated(window):
+    """Windows that do not overlap are independent, so that their alarms are binomial: 99.9 % of it, and not more."""
+    _, measurements = record(200, 1000, seed=13)
+    found = NisMonitor(window, 0.01).watch(track(Kalman(POSITION, ConstantVelocity(0.3)), measurements, PRIOR, 0.0))
+    alone = found.alarm[window - 1 :: window]
+    low, high = binom.ppf([5e-4, 1 - 5e-4], alone.size, 0.01)
+    assert low <= alone.sum() <= high

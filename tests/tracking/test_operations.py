@@ -3,19 +3,29 @@
 import numpy as np
 import pytest
 
+from tracking.gaussian import Gaussian, merge
+from tracking.measurement import LinearMeasurement
+from tracking.motion import ConstantVelocity, CoordinatedTurn
 from tracking.operations import (
+    FUNCTION,
+    Bank,
+    Number,
     Operations,
     Tally,
     charged_inverse,
     counted,
+    counted_interacting,
     counted_inverse,
     full_filter_operations,
+    interacting,
     memory,
     numbers,
     saving,
     stored_gain_operations,
     values,
 )
+from tracking.trackers.elevation import Model
+from tracking.trackers.imm import InteractingMultipleModel, ModelSet
 
 SIZES = [(n, m) for n in (1, 2, 3, 4) for m in (1, 2, 3)]
 
@@ -77,3 +87,46 @@ def test_there_are_four_realisations():
     for function in (counted, memory):
         with pytest.raises(ValueError, match="1, 2, 3 or 4"):
             function(5, 2, 1)
+
+
+def test_functions_are_charged_as_polynomials_and_comparisons_as_subtractions():
+    tally = Tally()
+    number = Number(4.0, tally)
+    assert np.sqrt(number).value == 2.0
+    assert np.exp(number).value == pytest.approx(np.exp(4.0))
+    assert tally.total() == (2 * FUNCTION, 2 * FUNCTION)
+    assert number > 3.0
+    assert not number > number
+    assert tally.total() == (2 * FUNCTION, 2 * FUNCTION + 2)
+
+
+def test_the_cycle_that_is_counted_is_the_one_of_the_tracker():
+    models = (CoordinatedTurn(-0.045, 0.1), CoordinatedTurn(0.02, 0.3), ConstantVelocity(0.01))
+    switching = ((0.9, 0.08, 0.02), (0.3, 0.6, 0.1), (0.0, 0.25, 0.75))
+    H, R, z = np.eye(4)[[0, 2]], np.diag([400.0, 900.0]), np.array([40.0, -25.0])
+    prior = Gaussian(np.array([0.0, 60.0, 10.0, -20.0]), np.diag([900.0, 25.0, 900.0, 25.0]))
+    tracker = InteractingMultipleModel(
+        LinearMeasurement(tuple(map(tuple, H))), ModelSet(models, switching, (0.5, 0.3, 0.2))
+    )
+    judge = tracker.begin(prior)
+    bank = Bank(*(numbers(part, Tally()) for part in (judge.weights, judge.mean.T, np.moveaxis(judge.cov, -1, 0))))
+    matrices = [Model(*model.transition(0.7, None)[:2], H, R) for model in models]
+    for _ in range(3):
+        bank, mean, cov = interacting(bank, np.array(switching), matrices, z, counted_inverse)
+        judge, _ = tracker.step(judge, 0.7, z, R)
+    merged = merge(judge)
+    for ours, his in ((bank.weights, judge.weights), (mean, merged.mean), (cov, merged.cov)):
+        np.testing.assert_allclose(values(ours), his, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5])
+def test_operations_of_interacting_models_by_hand(count):
+    """Mixing and merging of M means and covariances of n states, M filters, M likelihoods of two channels, weights."""
+    n, m, one = 4, 2, full_filter_operations(4, 2)
+    moments = Operations(count * (n + 2 * n * n), (2 * count - 1) * (n + n * n))
+    density = Operations(  # form, half, determinant, constant, ...; a root and an exponential
+        m * m + m + 1 + 3 + 1 + 1 + 2 * FUNCTION, m * m - 1 + 1 + 2 * FUNCTION
+    )
+    weights = Operations(2 * count * count + 2 * count, count * (count - 1) + count - 1)
+    by_hand = (count * (a + b + c) + a + d for a, b, c, d in zip(moments, one, density, weights, strict=True))
+    assert counted_interacting(count, n, m) == Operations(*by_hand)

@@ -91,12 +91,12 @@ class Search(NamedTuple):
 ACCELERATION = "acceleration_density_m2ps3"
 STRAIGHT, MANOEUVRE, LAW = (f"{what}_density_m2ps3" for what in ("straight", "manoeuvre", "law"))
 SEARCHES = (
-    Search("linear_feedback", {"kind": "linear_feedback"}, {ACCELERATION: half_decades(0.01, 10000)}),
-    Search("saturated_control", {"kind": "saturated_control"}, {ACCELERATION: half_decades(0.01, 100)}),
+    Search("linear_feedback", {"kind": "linear_feedback"}, {ACCELERATION: half_decades(0.1, 10000)}),
+    Search("saturated_control", {"kind": "saturated_control"}, {ACCELERATION: half_decades(0.003, 10)}),
     Search(
         "saturated_control, jacobian",
         {"kind": "saturated_control", "covariance": "jacobian"},
-        {ACCELERATION: half_decades(0.01, 100)},
+        {ACCELERATION: half_decades(0.01, 10)},
     ),
     Search("intent_imm", {"kind": "intent_imm"}, {LAW: half_decades(0.01, 3)}),
     Search(
@@ -113,7 +113,7 @@ SEARCHES = (
     ),
     Search("kalman", {"kind": "kalman"}, {ACCELERATION: half_decades(0.1, 100)}),
     Search("gated", {"kind": "gated"}, {ACCELERATION: half_decades(1, 1000)}),
-    Search("huber", {"kind": "huber"}, {ACCELERATION: half_decades(1, 1000)}),
+    Search("huber", {"kind": "huber"}, {ACCELERATION: half_decades(1, 300)}),
 )
 SAME = {"filterpy_constant_velocity": "kalman"}  # one filter, its matrices by filterpy
 
@@ -149,7 +149,7 @@ CASE = {case.name: case for case in CASES}
 
 
 def _prepared(case: Case, seed: int, trackers: dict[str, dict[str, Any]]) -> Prepared:
-    base = {"seed": seed, "draws": DRAWS, "checks": [], **case.changes}
+    base = {"seed": seed, "draws": DRAWS, "checks": [], "contrasts": [], **case.changes}
     return prepare(read(case.scenario, {**base, "trackers": trackers}))
 
 
@@ -233,7 +233,8 @@ chosen here is the default of the kind.
 
 Densities are in m2/s3. Kinds with several are searched one density after the other until none moves; the tables are
 the lines through the choice. Not searched: `straight_density` and `manoeuvre_density` of `intent_imm`, because they
-belong to flight by hand and all these aircraft follow their law; `load_factor`, `load_factor_cartesian` and
+belong to flight by hand and all these aircraft follow their law; `manoeuvre_detector` and `autonomous_models`, searched
+for the claims of Volovyk 2022 on their flights (sim/claims/papers/volovyk2022); `load_factor`, `load_factor_cartesian` and
 `line_of_approach`, whose sensors see no whole approach; the kinds that track an angle.
 """
 

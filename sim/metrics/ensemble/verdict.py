@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from sim.errors import ScenarioError, did_you_mean
-from sim.metrics.checks import OF_TRACKERS, described, find, tracker_figures
+from sim.metrics.checks import OF_CONTRASTS, OF_TRACKERS, described, find, meant
 from sim.metrics.navigation import GOOD
-from sim.scenario.tables import Check
+from sim.scenario.tables import Check, Contrast
 
 CRASHED = "crashed"  # the outcome of a flight that could not be flown to any end
 REFUSED = "refused"  # of one that could not begin: its values make no flight, and the reason says why
@@ -31,11 +31,11 @@ def verdicts(checks: Sequence[Check], records: Sequence[dict[str, Any]]) -> list
     """The verdict on each check, as in metrics.json.
 
     ``records`` are those of all flights, in order: ``flight`` (its number), ``metrics``, ``checks``, and of a study the
-    ``values`` of its axes. Raises ``ScenarioError`` for a figure of a tracker that there is not in any flight.
+    ``values`` of its axes. Raises ``ScenarioError`` for a figure of a tracker or a contrast that no flight has.
     """
     found = [verdict(check, number, records) for number, check in enumerate(checks)]
     for check, one in zip(checks, found, strict=True):
-        if one["value"] is None and check.metric.startswith(OF_TRACKERS):
+        if one["value"] is None and check.metric.startswith((OF_TRACKERS, OF_CONTRASTS)):
             _refuse_misspelt(check.metric, records)
     return found
 
@@ -120,18 +120,30 @@ def fewest_flights(share: float, confidence: float) -> int:
     return next(count for count in range(few, few + 4) if share_low(count, count, confidence) >= share)
 
 
-def refuse_unfit(name: str, checks: Sequence[Check], flights: int, trackers: Iterable[str], more: str = "") -> None:
-    """Raise ``ScenarioError`` for checks that cannot be answered, before anything is flown.
+def refuse_unfit(
+    name: str,
+    checks: Sequence[Check],
+    flights: int,
+    trackers: Iterable[str],
+    more: str = "",
+    contrasts: Sequence[Contrast] = (),
+) -> None:
+    """Raise ``ScenarioError`` for contrasts and checks that cannot be answered, before anything is flown.
 
-    A share needs so many flights, and a figure of a tracker a tracker of that name. ``more`` says where there are
-    more flights.
+    A share needs so many flights, a contrast two trackers, and a figure of one of these what it names. ``more`` says
+    where there are more flights.
     """
-    known, faults = [*trackers], []
+    known, pairs = [*trackers], [one.pair for one in contrasts]
+    faults = _strangers(contrasts, known)
     for number, check in enumerate(checks):
         place = f"[[checks]] entry {number} ('{check.name or check.metric}')"
         own = check.metric.removeprefix(OF_TRACKERS).partition(".")[0]
         if check.metric.startswith(OF_TRACKERS) and own not in known:
             faults.append(f"{place} metric: no tracker '{own}'; {did_you_mean(own, known)}")
+        pair = check.metric.removeprefix(OF_CONTRASTS).partition(".")[0]
+        if check.metric.startswith(OF_CONTRASTS) and pair not in pairs:
+            hint = did_you_mean(pair, pairs) if pairs else "the scenario has no [[contrasts]]"
+            faults.append(f"{place} metric: no contrast '{pair}'; {hint}")
         share, confidence = check.required_share, check.confidence
         if share is None or confidence is None or flights >= (needed := fewest_flights(share, confidence)):
             continue
@@ -145,13 +157,21 @@ def refuse_unfit(name: str, checks: Sequence[Check], flights: int, trackers: Ite
         raise ScenarioError("\n".join(f"{name}: {fault}" for fault in faults))
 
 
+def _strangers(contrasts: Sequence[Contrast], trackers: Sequence[str]) -> list[str]:
+    """Faults of contrasts that name a tracker that there is not; where nobody tracks, there is a warning in the end."""
+    return [
+        f"[[contrasts]] entry {number} {side}: no tracker '{name}'; {did_you_mean(name, trackers)}"
+        for number, one in enumerate(contrasts)
+        for side, name in (("of", one.of), ("against", one.against))
+        if trackers and name not in trackers
+    ]
+
+
 def _refuse_misspelt(metric: str, records: Sequence[dict[str, Any]]) -> None:
-    """A figure that no flight has although its tracker has others is a fault of the file."""
-    name = metric.removeprefix(OF_TRACKERS).partition(".")[0]
-    flown = [record["metrics"] for record in records if record["metrics"].get("trackers", {}).get(name, {})]
-    seen = [metrics for metrics in flown if metrics["trackers"][name].get("overall")]
-    if seen and not any(find(metrics, metric)[0] for metrics in flown):
-        figures = tracker_figures(name, seen[0]["trackers"][name])
+    """A figure that no flight has although its tracker, or its contrast, has others is a fault of the file."""
+    flown = [record["metrics"] for record in records]
+    figures = next(filter(None, (meant(metric, metrics) for metrics in flown)), None)
+    if figures and not any(find(metrics, metric)[0] for metrics in flown):
         raise ScenarioError(f"check of '{metric}': no such figure; {did_you_mean(metric, figures)}")
 
 

@@ -12,7 +12,7 @@ from sim.metrics.figures import GLIDE_CAPTURE
 from sim.metrics.signals import height_error
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase, over_time, pad, phase_strip
-from sim.reporting.figures.deviations import COMPONENTS
+from sim.reporting.figures.deviations import BANK, COMPONENTS, acting_limits
 from sim.reporting.figures.thinning import where
 from sim.scenario.tables import Runway
 
@@ -24,7 +24,8 @@ LEAST_SCALE = 0.25  # m, so that hundredths do not look like errors
 
 def bank_history(flight: Flight, law: Mode, bank_limit: float) -> Any:
     """Figure of bank and its command; below, when each limit of the law was reached."""
-    limiters = _limiters(flight, law, bank_limit)
+    acting = acting_limits(flight, law, bank_limit)
+    limiters = {COMPONENTS[name].short if name in COMPONENTS else name: where for name, where in acting.items()}
     figure, (strip, axes, bars) = style.panels(STRIP, 1.9, 0.2 * len(limiters))
     phase_strip(strip, flight)
     limit = float(np.degrees(bank_limit))
@@ -36,9 +37,7 @@ def bank_history(flight: Flight, law: Mode, bank_limit: float) -> Any:
     over_time(axes, flight, np.degrees(flight.state.bank), color=style.BLUE, linewidth=1.3, label="bank")
     pad(axes, 2.0, 0.17)
     full = axes.get_xaxis_transform()
-    axes.broken_barh(
-        _spans(flight, limiters["bank"]), (0, 1), transform=full, color=style.ORANGE, alpha=0.25, linewidth=0
-    )
+    axes.broken_barh(_spans(flight, acting[BANK]), (0, 1), transform=full, color=style.ORANGE, alpha=0.25, linewidth=0)
     axes.set_ylabel("bank, deg (+ right)")
     axes.legend(loc="upper right", ncols=3)
     colours = {"bank": style.ORANGE}
@@ -60,17 +59,6 @@ def _bars(axes: Any, flight: Flight, rows: dict[str, tuple[np.ndarray, str]]) ->
     axes.grid(False, axis="y")
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel(TIME)
-
-
-def _limiters(flight: Flight, law: Mode, bank_limit: float) -> dict[str, np.ndarray]:
-    """When the command was at the bank limit, and when each input of the law was beyond its own."""
-    deviation = flight.deviation
-    reached = {"bank": np.abs(flight.command.bank) >= bank_limit * (1 - 1e-6)}
-    for one in law.limits():
-        if np.isfinite(one.limit):
-            seen = deviation.distance_to_go > one.blind
-            reached[COMPONENTS[one.of].short] = seen & (np.abs(getattr(deviation, one.of)) >= one.limit)
-    return reached
 
 
 def speed_history(flight: Flight) -> Any:

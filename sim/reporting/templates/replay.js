@@ -8,7 +8,7 @@
   const TRAIL = 90, FRESH = 40; // s: how long estimates and measurements stay in sight
   const FAINT = 0.35; // of the strength of other plots, for false ones
   const INK = "#1b1b1b", PALE = "#c4c4c4", ROUTE = "#777", PLOT = "#555";
-  let now = first, playing = false, lastFrame = null;
+  let now = data.opens, playing = false, lastFrame = null;
 
   // ---- looking things up -----------------------------------------------------------------------------------------
   function upTo(times, t) { // index of the last entry that is not after t, -1 before the first

@@ -7,27 +7,31 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
-from sim.reporting.text.labels import column, number, split, words
+from sim.metrics.conformance import MISMATCHED
+from sim.reporting.text.labels import column, joined, number, split, words
 from sim.reporting.tracker_figures.error_curves import Shown
 
 PLACES = {"cross_track_m": "across track", "position_m": "of position", "height_m": "of height"}
 TOO_SURE = 1.5  # ANEES beyond which the winner is called too sure of itself
 
 
-def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown]) -> str:
+def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown], short: bool = False) -> str:
     """The best of those that saw the same measurements; empty where nothing was tracked.
 
-    ``trackers`` as in metrics.json. Ratios are of root mean square errors over common draws; two trackers are alike
-    where the paired 95 % interval of their ratio holds 1.
+    A tracker with a mismatched law does not win while there are others: what it is good for is to be compared with the
+    one that has the law that flies. ``short`` leaves out what a law was worth. ``trackers`` as in metrics.json. Ratios
+    are of root mean square errors over common draws; two trackers are alike where the paired 95 % interval of their
+    ratio holds 1.
     """
     channel, rivals = _contest(trackers, followed)
     if not rivals:
         return ""
-    best, *others = rivals
+    best = next((one for one in rivals if one.law_from != MISMATCHED), rivals[0])
+    others = [one for one in rivals if one is not best]
     parts = [f"{_head(trackers, channel, best, rivals)}"]
     if others:
         parts.append(_behind(flight, channel, best, others))
-    parts += _law(trackers, channel, best, others)
+    parts += [] if short else _law(trackers, channel, best, others)
     figures = trackers[best.name]
     if (figures.get("anees_low") or 0.0) > TOO_SURE:
         parts.append(f"yet it is too sure of itself (ANEES {number(float(figures['anees']), 1)})")
@@ -85,12 +89,17 @@ def _behind(flight: Flight, channel: str, best: Shown, others: list[Shown]) -> s
     """Trackers as good as the best, and by how much and where the next one is worse."""
     ratios = {one.name: _ratio(channel, one, best) for one in others}
     alike = [words(one.name) for one in others if ratios[one.name][1]]
-    behind = [one for one in others if not ratios[one.name][1] and np.isfinite(ratios[one.name][0])]
-    parts = [f"{_and(alike)} {'is' if len(alike) == 1 else 'are'} as good within the noise"] if alike else []
+    told = [one for one in others if not ratios[one.name][1] and np.isfinite(ratios[one.name][0])]
+    behind = [one for one in told if ratios[one.name][0] > 1.0]
+    parts = [f"{joined(alike)} {'is' if len(alike) == 1 else 'are'} as good within the noise"] if alike else []
     if behind:
         value = ratios[behind[0].name][0]
         where = _where(flight, channel, best, behind[0])
         parts.append(f"next is {words(behind[0].name)} with {number(value, 2)} times the error{where}")
+    for one in told:
+        if ratios[one.name][0] < 1.0:  # only what does not win although it errs less: a mismatched law
+            times = number(ratios[one.name][0], 2)
+            parts.append(f"yet {words(one.name)} has {times} times the error although its law is mismatched")
     return ", ".join(parts)
 
 
@@ -129,12 +138,6 @@ def _law(trackers: dict[str, Any], channel: str, best: Shown, others: list[Shown
         value, alike = _ratio(channel, twin, best)
         if alike:
             parts.append("which of the two laws it assumes makes no difference to it")
-        elif best.law_from == "autopilot":
+        elif value > 1.0:
             parts.append(f"with the mismatched law it has {number(value, 2)} times the error")
-        else:
-            parts.append(f"with the law that flies it has {number(value, 2)} times the error, so its model errs anyway")
     return parts
-
-
-def _and(names: list[str]) -> str:
-    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))

@@ -20,9 +20,15 @@ from sim.reporting.tracker_figures.error_curves import Shown
 
 
 def first_screen(
-    scenario: Any, flight: Flight, metrics: dict[str, Any], followed: list[Shown], number: int = 0
+    scenario: Any,
+    flight: Flight,
+    metrics: dict[str, Any],
+    followed: list[Shown],
+    number: int = 0,
+    contrasted: list[str] | None = None,
 ) -> dict[str, Any]:
-    """What the head of the page is filled with, about one flight; the verdicts are about all."""
+    """What the head of the page is filled with, about one flight; verdicts and ``contrasted``, its contrasts, about
+    all."""
     checks = metrics.get("checks", [])
     failed = [check_name(check) for check in checks if check["passed"] is False]
     return {
@@ -32,7 +38,8 @@ def first_screen(
         "ended": how_it_ended(flight, metrics["flight"]),
         "sentence": what_happened(flight, metrics["flight"], checks),
         "why": (metrics["flight"].get("navigated") or {}).get("why"),
-        "winner": best_tracker(flight, metrics.get("trackers") or {}, followed),
+        "contrasted": contrasted or [],
+        "winner": best_tracker(flight, metrics.get("trackers") or {}, followed, short=bool(contrasted)),
         "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed"),
         "failed": failed,
         "outcomes": _outcomes(metrics.get("flights_summary", {}).get("outcomes", {})),

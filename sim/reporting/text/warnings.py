@@ -49,6 +49,25 @@ def warnings(
     return [sentence for sentence in found if sentence]
 
 
+def contrast_warnings(contrasts: list[dict[str, Any]], trackers: dict[str, dict[str, Any]]) -> list[str]:
+    """Sentences about contrasts, as in metrics.json, that have nothing to compare, or no ratio."""
+    return [sentence for one in contrasts for sentence in _contrast(one, trackers)]
+
+
+def _contrast(contrast: dict[str, Any], trackers: dict[str, dict[str, Any]]) -> list[str]:
+    pair = (contrast["of"], contrast["against"])
+    place = f"contrast of '{pair[0]}' against '{pair[1]}'"
+    absent = [name for name in pair if not trackers.get(name, {}).get("overall")]
+    if absent:
+        return [f"{place}: '{absent[0]}' never tracked the aircraft, so there is nothing to compare"]
+    if not contrast["overall"]:
+        return [
+            f"{place}: at no epoch are both measured in a channel that both estimate, so there is nothing to compare"
+        ]
+    lost = [contrast[side] for side in ("of", "against") if any(f[side] is None for f in contrast["overall"].values())]
+    return [f"{place}: errors of '{name}' are not finite, so there is no ratio" for name in lost]
+
+
 def _sensor(flight: Flight, name: str, sensor: Any, record: SensorRecord) -> str | None:
     if not len(record.time) or not np.isfinite(record.z).any():
         return f"sensor '{name}' never saw the aircraft"

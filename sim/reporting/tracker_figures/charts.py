@@ -7,14 +7,20 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
+from sim.metrics.alarms.monitoring import alarm_share
+from sim.metrics.alarms.operating_curve import WINDOWS, operating_curves
 from sim.metrics.conformance import conformance_sentence
 from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart
 from sim.reporting.text.labels import words
 from sim.reporting.tracker_figures.conformance_strip import alert_strip
+from sim.reporting.tracker_figures.contrast_map import contrast_map, drawn
 from sim.reporting.tracker_figures.error_curves import Shown
 from sim.reporting.tracker_figures.estimate_map import estimate_map
 from sim.reporting.tracker_figures.model_probabilities import anomaly_strip, model_probabilities
+from sim.reporting.tracker_figures.monitor_strip import monitor_strip
+from sim.reporting.tracker_figures.operating_curves import drawn_curves
+from sim.reporting.tracker_figures.parting import Parting
 from sim.reporting.tracker_figures.path_bound import path_bound
 from sim.reporting.tracker_figures.tracking_errors import (
     consistency_over_time,
@@ -26,6 +32,39 @@ from sim.reporting.tracker_figures.tracking_errors import (
 )
 from tracking.conformance import Watched
 from tracking.height_profile import Charted
+from tracking.monitor import MONITOR
+
+MOST_CURVES = 4  # trackers whose delays are drawn over their false alarms
+
+
+def contrast_chart(
+    flight: Flight, contrast: dict[str, Any], followed: list[Shown], parted: Parting | None
+) -> Chart | None:
+    """Two trackers where they part; None where one of them knows no place. ``contrast`` as in metrics.json."""
+    known = {one.name: one for one in followed}
+    if not {contrast["of"], contrast["against"]} <= {*known}:
+        return None
+    pair = known[contrast["of"]], known[contrast["against"]]
+    found = contrast_map(flight, pair, parted)
+    if found is None:
+        return None
+    names = [one.name for one in found.believed]
+    way = f" ({contrast['name']})" if contrast.get("name") else ""
+    title = f"{names[0]} against {names[1]}{way}"
+    begin, end = found.time
+    caption = (
+        f"From {begin:.0f} s to {end:.0f} s, draw 0: thin lines join where the aircraft is and where a tracker "
+        "believes it at the same instant; the route is dashed. "
+    )
+    if parted is not None:
+        caption += (
+            f"They part at {parted.start:.0f} s: from there one errs {parted.factor:g} times the other, over all draws."
+        )
+    else:
+        caption += "They do not part: nowhere does one err half as much again as the other for 10 s on end."
+    keys = (("flown", style.BLACK, False), *_keys(list(pair)))
+    with style.drawing():
+        return Chart(title[0].upper() + title[1:], style.data_uri(drawn(found)), caption, keys)
 
 
 def error_charts(
@@ -40,7 +79,7 @@ def error_charts(
     if not followed:
         return []
     drawn: list[Chart] = []
-    keys = tuple((words(one.name), one.look["color"], one.look["dashes"] != style.SOLID) for one in followed)
+    keys = _keys(followed)
 
     def add(title: str, figure: Any, caption: str, keys: tuple[tuple[str, str, bool], ...] = keys) -> None:
         if figure is not None:
@@ -104,6 +143,10 @@ def error_charts(
     return drawn
 
 
+def _keys(followed: list[Shown]) -> tuple[tuple[str, str, bool], ...]:
+    return tuple((words(one.name), one.look["color"], one.look["dashes"] != style.SOLID) for one in followed)
+
+
 def belief_charts(
     scenario: Any,
     flight: Flight,
@@ -144,4 +187,50 @@ def belief_charts(
             "Above: measured minus true angle of draw 0, linear within the dashed 2 σ of the stated accuracy and "
             "logarithmic beyond. Below: the mean probability of a worse accuracy than the stated.",
         )
+    return drawn
+
+
+def alarm_charts(
+    flight: Flight, trackers: dict[str, Any], tracked: dict[str, Any], followed: list[Shown]
+) -> list[Chart]:
+    """When the monitor of innovations alarms; where something goes wrong, delays over false alarms.
+
+    ``trackers`` as in metrics.json.
+    """
+    shares = {name: alarm_share(flight, one.track) for name, one in tracked.items()}
+    curves = {
+        name: operating_curves(tracked[name].tracker, tracked[name].track, fault)
+        for name in list(tracked)[:MOST_CURVES]
+        if (fault := trackers[name]["monitor"]["fault_s"]) is not None
+    }
+    drawn: list[Chart] = []
+    if not shares:
+        return drawn
+    rates = {name: trackers[name]["monitor"]["alarms_per_1000"] for name in shares}
+    colours = {one.name: one.look["color"] for one in followed}
+    with style.drawing():
+        drawn.append(
+            Chart(
+                "Does each tracker still follow?",
+                style.data_uri(monitor_strip(flight, shares, rates, colours)),
+                f"Share of the draws in which the innovations of the last {MONITOR.window} looks are too large for "
+                f"chance: {1000 * MONITOR.false_alarm_rate:g} look in 1000 while a tracker's model holds. By its name "
+                "the alarmed looks in 1000 before anything goes wrong (‰). A tracker that knows no turns, or is told "
+                "the wrong law, alarms in each turn.",
+            )
+        )
+        figure = drawn_curves(curves)
+        if figure is not None:
+            *few, most = map(str, WINDOWS)
+            drawn.append(
+                Chart(
+                    "How soon, at which price",
+                    style.data_uri(figure),
+                    "Median delay from what goes wrong to the first alarm, over the false alarms before it, while the "
+                    f"threshold is swept: the monitor over {', '.join(few)} and {most} looks, and the conformance "
+                    "alert. Each alarm counts once, at its onset; a draw that is never alarmed is infinitely late, and "
+                    "a threshold at which half of them are is not drawn. Rings at the left edge: no false alarm was "
+                    "seen. Larger dots: the threshold that promises one in 1000 looks.",
+                )
+            )
     return drawn

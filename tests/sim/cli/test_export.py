@@ -56,6 +56,24 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
+def test_contrasts_have_a_row_for_each_figure(run_folder):
+    figure = {"ratio": 1 / 3, "low": None, "high": 2.0, "n": 4, "of": 1.0, "against": 3.0}
+    tables = {"overall": {"position_m": figure}, "by_phase": {}, "look_ahead": {"20_s": {"position_m": figure}}}
+    (run_folder / "metrics.json").write_text(
+        json.dumps({"contrasts": [{"of": "a", "against": "b", "name": None, **tables}]})
+    )
+    assert "contrasts.csv" in [path.name for path in export(run_folder, "csv")]
+    first, second = rows(run_folder / "contrasts.csv")
+    assert first == {
+        "tracker": "a", "other": "b", "name": "", "table": "overall", "part": "", "channel": "position_m",
+        "ratio": repr(1 / 3), "low": "", "high": "2.0", "of": "1.0", "against": "3.0", "n": "4",
+    }  # fmt: skip
+    assert second == {**first, "table": "look_ahead", "part": "20_s"}
+    (run_folder / "metrics.json").write_text("{")
+    with pytest.raises(OutputError, match=r"metrics.json: damaged; run the scenario again"):
+        export(run_folder, "csv")
+
+
 def test_the_flight_comes_back_to_the_last_bit(run_folder):
     export(run_folder, "csv")
     found = rows(run_folder / "flight.csv")

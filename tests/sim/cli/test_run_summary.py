@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.cli.run_summary import study_summary
+from sim.cli.run_summary import study_summary, summary
 from sim.metrics.ensemble.verdict import verdicts
 from sim.reporting.text.broken_checks import broken, run_again
 from sim.scenario.tables import Check, Runway
@@ -84,3 +84,22 @@ def test_a_flight_that_crashed_breaks_every_check():
     assert said.startswith(
         "sink_mps: 1 of 2 flights keep it; the flight crashed, limit 3 m/s; source: not given; flight 1"
     )
+
+
+def test_contrasts_of_a_run_are_a_table_with_their_intervals():
+    def figure(ratio):
+        return {"ratio": ratio, "low": None, "high": 9.0, "n": 4, "of": 1.0, "against": 3.0}
+
+    tables = {"overall": {"position_m": figure(2.5), "height_m": figure(7.0)}, "by_phase": {}}
+    tables["look_ahead"] = {"60_s": {"position_m": figure(8.0), "height_m": figure(7.0)}, "120_s": {}}
+    flight = {"reason": "stopped", "duration_s": 1.0}
+    metrics = {"scenario": "s", "seed": 1, "flights": 1, "flight": flight, "trackers": {}, "checks": [], "warnings": []}
+    entry = {"of": "a", "against": "b", "name": "as published", **tables}
+    before = str(entry)
+    told = summary({**metrics, "contrasts": [entry, {**entry, "name": None, "overall": {}, "look_ahead": {}}]}, "again")
+    assert told.splitlines()[2:] == [
+        "RMSE of          over that of                          ratio  from  to",
+        "a, as published  b             position_m                2.5     -   9",
+        "a, as published  b             position_m, 60 s ahead      8     -   9",
+    ]
+    assert str(entry) == before

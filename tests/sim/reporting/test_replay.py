@@ -119,7 +119,8 @@ def page(kept, flight, tmp_path_factory):
     """The page about three draws of two trackers, written once."""
     if "page" not in kept:
         given, tracks = scenario(), tracked(flight)
-        trackers = {name: {"kind": given.trackers[name].kind, "overall": {}, "by_phase": {}} for name in tracks}
+        empty = {"overall": {}, "by_phase": {}, "monitor": {"alarms_per_1000": None, "fault_s": None}}
+        trackers = {name: {"kind": given.trackers[name].kind, **empty} for name in tracks}
         kept["folder"] = tmp_path_factory.mktemp("replay")
         records = {"radar": record_of(tracks["best"])}
         kept["page"] = written(kept["folder"], flight, given, tracks, trackers, records)

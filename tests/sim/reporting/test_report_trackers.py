@@ -115,15 +115,16 @@ def summaries(given, rmse, **more):
     return {
         name: {"kind": given.trackers[name].kind, "law_from": None, "overall": figures(value), "lost_fraction": 0.0,
                "by_phase": {phase: figures(value) for phase in ("final", "glide")}, "anees": 1.0, "anees_low": 0.9,
+               "monitor": {"alarms_per_1000": 0.0, "fault_s": None},
                "anees_high": 1.1, "anis": 1.0} | more.get(name, {})
         for name, value in rmse.items()
     }  # fmt: skip
 
 
-def written(tmp_path, flight, given, tracked, trackers, records=None):
+def written(tmp_path, flight, given, tracked, trackers, records=None, **more):
     figures = flight_metrics(flight, given.runway, given.autopilot.bank_limit)
     checks = one_flight.judged(given.checks, flight, given.runway, figures)
-    metrics = {"flight": figures, "checks": checks, "seed": 1, "draws": 2, "trackers": trackers}
+    metrics = {"flight": figures, "checks": checks, "seed": 1, "draws": 2, "trackers": trackers} | more
     seen = Seen(0, flight, records or {}, tracked, figures, trackers)
     path = write(tmp_path / "report.html", scenario=given, law=LAW, metrics=metrics, versions={}, flights=[seen])
     return Page(path.read_text(encoding="utf-8"))
@@ -246,12 +247,12 @@ def noisy(size, seed, draws=60):
     return size * np.random.default_rng(seed).normal(size=(40, 2, draws))
 
 
-def told(flight, sizes, law_from, **more):
+def told(flight, sizes, law_from, short=False, **more):
     given = scenario()
     tracked = {name: followed_by(flight, noisy(size, 1), law_from.get(name)) for name, size in sizes.items()}
     followed = shown_trackers(given, tracked)
     rmse = {one.name: float(np.sqrt(one.curves.channels["cross_track_m"].of_draws.mean())) for one in followed}
-    return best_tracker(flight, summaries(given, rmse, **more), followed)
+    return best_tracker(flight, summaries(given, rmse, **more), followed, short)
 
 
 LAWS = {"best": "autopilot", "twin": "told wrong"}
@@ -265,6 +266,18 @@ def test_the_winner_is_named_with_its_lead_and_its_reason(flight):
     assert "knowing a law is worth a factor of 3.00 over plain, the best without one" in said
     assert "with the mismatched law it has 2.00 times the error" in said
     assert said.count(". ") == 0  # one sentence
+
+
+def test_a_mismatched_law_never_wins(flight):
+    """Its errors are half those of the tracker with the law that flies, and it is told as a fault of that one."""
+    said = told(flight, {"twin": 10.0, "best": 20.0, "plain": 30.0}, LAWS)
+    assert said.startswith("Of 3 trackers of the same measurements best was best across track with 19.")
+    assert "yet twin has 0.50 times the error although its law is mismatched" in said
+    assert "next is plain with 1.50 times the error" in said
+    short = told(flight, {"twin": 10.0, "best": 20.0}, LAWS, short=True)
+    assert "best was best" in short
+    assert "yet twin has 0.50 times the error" in short
+    assert "knowing a law" not in short
 
 
 def test_a_lead_within_the_noise_is_no_lead(flight):
@@ -316,6 +329,7 @@ def test_all_figures_of_the_trackers_are_there(flight, tmp_path):
     wanted = [
         "Error over time", "Error by phase", "Does each tracker know how good it is?", "Consistency over time",
         "Estimates in plan", "Containment against the radar's azimuth norm", "Look-ahead", "Model probabilities",
+        "Does each tracker still follow?",
     ]  # fmt: skip
     assert [title for title in titles if title in wanted] == wanted
     assert page.faults == []

@@ -153,7 +153,7 @@ values = st.recursive(
 
 @given(
     table=st.sampled_from(
-        ["runway", "aircraft", "start", "route", "autopilot", "wind", "sensors", "trackers", "checks"]
+        ["runway", "aircraft", "start", "route", "autopilot", "wind", "sensors", "sensor_faults", "trackers", "checks"]
     ),
     content=values,
 )

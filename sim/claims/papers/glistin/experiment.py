@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.claims.jsbsim_flights import per_flight
 from sim.claims.papers.glistin.cases import FINE, SETTLED, SPOILS, Case, Spoil, built, case, errors
 from sim.claims.papers.glistin.tuning import TUNED
 from tracking.intervals import Interval, gain
@@ -28,26 +29,23 @@ def spoilt(seed: int, runs: int, flight: str) -> dict[Spoil, Any]:
     first = next(iter(each.values()))
     z = np.concatenate([one.measurements.z for one in each.values()], axis=2)
     mean = np.concatenate([one.prior.mean for one in each.values()], axis=1)
+    azimuth = np.concatenate([one.azimuth for one in each.values()], axis=1)
     together = first._replace(
-        measurements=replace(first.measurements, z=z), azimuth=first.azimuth, prior=first.prior._replace(mean=mean)
+        measurements=replace(first.measurements, z=z), azimuth=azimuth, prior=first.prior._replace(mean=mean)
     )
     kind = "corrected_residual"
     found = errors(built(kind, TUNED[flight, FINE][kind]), together, True) ** 2
     return dict(zip(each, np.split(found, len(each), axis=1), strict=True))
 
 
-def ratio(data: Case, part: str, plain: Any, aided: Any) -> Interval:
-    """The RMSE of one filter over that of another in a part of the flight."""
-    rest, turn = ~data.turning, np.flatnonzero(data.turning)
-    rest[:SETTLED] = False
-    scans = np.arange(len(rest))
-    among = {
-        "turn": data.turning,
-        "before": rest & (scans < turn[0]),
-        "behind": rest & (scans > turn[-1]),
-        "all": data.turning | rest,
-    }[part]
-    return gain(plain[among].mean(axis=0), aided[among].mean(axis=0))
+def ratio(data: Case, part: str, plain: Any, aided: Any, runs: int) -> Interval:
+    """The RMSE of one filter over that of another in a part of the flight, of runs or flights."""
+    turn = data.turning
+    scans = np.arange(len(turn))[:, None]
+    first, last = turn.argmax(axis=0), len(turn) - 1 - turn[::-1].argmax(axis=0)
+    rest = ~turn & (scans >= SETTLED)
+    among = {"turn": turn, "before": rest & (scans < first), "behind": rest & (scans > last), "all": turn | rest}[part]
+    return gain(*(per_flight(np.nanmean(np.where(among, one, np.nan), axis=0), runs) for one in (plain, aided)))
 
 
 def gained(kind: str, flight: str, condition: str, part: str = "turn") -> Any:
@@ -55,7 +53,7 @@ def gained(kind: str, flight: str, condition: str, part: str = "turn") -> Any:
 
     def measured(seed: int, runs: int) -> Interval:
         plain, aided = (squares(name, seed, runs, flight, condition) for name in ("kinematic", kind))
-        return ratio(case(seed, runs, flight, condition), part, plain, aided)
+        return ratio(case(seed, runs, flight, condition), part, plain, aided, runs)
 
     return measured
 
@@ -65,7 +63,7 @@ def gained_still(flight: str, spoil: Spoil, part: str = "turn") -> Any:
 
     def measured(seed: int, runs: int) -> Interval:
         plain = squares("kinematic", seed, runs, flight, FINE)
-        return ratio(case(seed, runs, flight, FINE), part, plain, spoilt(seed, runs, flight)[spoil])
+        return ratio(case(seed, runs, flight, FINE), part, plain, spoilt(seed, runs, flight)[spoil], runs)
 
     return measured
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sim.claims.ledger import DRAWS, FLIGHTS
 from sim.claims.papers.glistin.cases import FINE, JSBSIM, case
 from sim.claims.papers.glistin.experiment import squares
 from sim.claims.plots import Curve, Plot
@@ -20,19 +21,22 @@ NAMES = {
 
 
 def azimuth_errors(seed: int) -> Iterator[Plot]:
-    """On a kinematic flight and on JSBSim's."""
-    for flight, title in (("base turn", "in a base turn"), (JSBSIM, "in a turn onto final flown on JSBSim")):
-        data = case(seed, RUNS, flight, FINE)
+    """On a kinematic flight and on those of JSBSim."""
+    for flight, title, runs, said in (
+        ("base turn", "in a base turn", RUNS, f"{RUNS} runs"),
+        (JSBSIM, "in turns onto final flown on JSBSim", FLIGHTS, f"{FLIGHTS} flights of {DRAWS} draws"),
+    ):
+        data = case(seed, runs, flight, FINE)
         time = data.measurements.time
-        turn = time[data.turning]
+        turn = time[data.turning.any(axis=1)]
         yield Plot(
             "fig. 1",
             f"Azimuth error {title}",
-            f"{FINE}, {RUNS} runs; the turn lasts from {turn[0]:.0f} to {turn[-1]:.0f} s.",
+            f"{FINE}, {said}; turns from {turn[0]:.0f} to {turn[-1]:.0f} s.",
             "time, s",
             "azimuth RMSE, deg",
             tuple(
-                Curve(name, time, np.sqrt(squares(kind, seed, RUNS, flight, FINE).mean(axis=1)))
+                Curve(name, time, np.sqrt(squares(kind, seed, runs, flight, FINE).mean(axis=1)))
                 for kind, name in NAMES.items()
             ),
         )

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from sim.claims.papers.glistin.cases import SETTLED, built, case, errors
+from sim.claims.ledger import FLIGHTS
+from sim.claims.papers.glistin.cases import AXES, JSBSIM, SETTLED, built, case, errors
 
-SEED, RUNS = 1, 30
+SEED, RUNS = 1, 30  # runs of a prescribed flight; of JSBSim's a few flights with all their draws
 WORTH = 1e-3  # share of the mean square error below which a step of the lattice is no gain
 STARTS = {
     "kinematic": {"kinematic_density": 1e-6, "kinematic_correlation_time": 10.0},
@@ -14,6 +15,7 @@ STARTS = {
     "corrected": {"azimuth_density": 1e-8, "range_density": 1e3},
     "corrected_residual": {"azimuth_density": 1e-9, "azimuth_correlation_time": 10.0, "range_density": 1e3},
 }
+STARTS |= dict.fromkeys(AXES, STARTS["published"])
 KINDS = tuple(STARTS)
 
 
@@ -32,7 +34,7 @@ def neighbours(fields: dict[str, float]) -> list[dict[str, float]]:
 
 def tune(kind: str, flight: str, condition: str) -> dict[str, float]:
     """The parameters that no neighbour on the lattice betters over the whole flight, and so no edge of any grid."""
-    data, tried = case(SEED, RUNS, flight, condition), {}
+    data, tried = case(SEED, FLIGHTS if flight == JSBSIM else RUNS, flight, condition), {}
 
     def cost(fields: dict[str, float]) -> float:
         key = tuple(fields.values())
@@ -50,12 +52,18 @@ TUNED: dict[tuple[str, str], dict[str, dict[str, float]]] = {
     ("base turn", "0.7 s, 1 deg"): {
         "kinematic": {"kinematic_density": 1e-06, "kinematic_correlation_time": 20.0},
         "published": {"azimuth_density": 1e-07, "range_density": 316.0},
+        "published, X at 45 deg": {"azimuth_density": 3.16e-08, "range_density": 10000.0},
+        "published, X at 90 deg": {"azimuth_density": 1e-07, "range_density": 31600.0},
+        "published, X at 135 deg": {"azimuth_density": 3.16e-07, "range_density": 31600.0},
         "corrected": {"azimuth_density": 1e-09, "range_density": 316.0},
         "corrected_residual": {"azimuth_density": 1e-09, "azimuth_correlation_time": 10.0, "range_density": 100000.0},
     },
     ("base turn", "0.5 s, 0.15 deg"): {
         "kinematic": {"kinematic_density": 1e-06, "kinematic_correlation_time": 20.0},
         "published": {"azimuth_density": 1e-07, "range_density": 316.0},
+        "published, X at 45 deg": {"azimuth_density": 3.16e-08, "range_density": 10000.0},
+        "published, X at 90 deg": {"azimuth_density": 3.16e-08, "range_density": 31600.0},
+        "published, X at 135 deg": {"azimuth_density": 1e-07, "range_density": 31600.0},
         "corrected": {"azimuth_density": 1e-09, "range_density": 10.0},
         "corrected_residual": {"azimuth_density": 3.16e-10, "azimuth_correlation_time": 10.0, "range_density": 10000.0},
     },
@@ -89,14 +97,20 @@ TUNED: dict[tuple[str, str], dict[str, dict[str, float]]] = {
     },
     ("turn onto final", "0.7 s, 1 deg"): {
         "kinematic": {"kinematic_density": 1e-07, "kinematic_correlation_time": 10.0},
-        "published": {"azimuth_density": 3.16e-08, "range_density": 31.6},
-        "corrected": {"azimuth_density": 3.16e-10, "range_density": 3160.0},
-        "corrected_residual": {"azimuth_density": 3.16e-10, "azimuth_correlation_time": 10.0, "range_density": 31600.0},
+        "published": {"azimuth_density": 3.16e-08, "range_density": 100.0},
+        "published, X at 45 deg": {"azimuth_density": 3.16e-09, "range_density": 1000.0},
+        "published, X at 90 deg": {"azimuth_density": 1e-08, "range_density": 10000.0},
+        "published, X at 135 deg": {"azimuth_density": 3.16e-08, "range_density": 3160.0},
+        "corrected": {"azimuth_density": 3.16e-10, "range_density": 316.0},
+        "corrected_residual": {"azimuth_density": 3.16e-10, "azimuth_correlation_time": 10.0, "range_density": 1000.0},
     },
     ("turn onto final", "0.5 s, 0.15 deg"): {
-        "kinematic": {"kinematic_density": 3.16e-07, "kinematic_correlation_time": 40.0},
-        "published": {"azimuth_density": 3.16e-08, "range_density": 31.6},
+        "kinematic": {"kinematic_density": 1e-07, "kinematic_correlation_time": 20.0},
+        "published": {"azimuth_density": 3.16e-08, "range_density": 1000.0},
+        "published, X at 45 deg": {"azimuth_density": 3.16e-09, "range_density": 3160.0},
+        "published, X at 90 deg": {"azimuth_density": 1e-08, "range_density": 10000.0},
+        "published, X at 135 deg": {"azimuth_density": 3.16e-08, "range_density": 31600.0},
         "corrected": {"azimuth_density": 3.16e-10, "range_density": 10.0},
-        "corrected_residual": {"azimuth_density": 1e-10, "azimuth_correlation_time": 20.0, "range_density": 316.0},
+        "corrected_residual": {"azimuth_density": 1e-10, "azimuth_correlation_time": 10.0, "range_density": 3160.0},
     },
 }  # what `tune` chose

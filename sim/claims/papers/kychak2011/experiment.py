@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.claims.angle_channel import DEGREE, MEASURED, PRIOR, VARIANCE, along, drawn
-from sim.claims.jsbsim_flights import flown
+from sim.claims.jsbsim_flights import WIND, flights, per_flight
 from sim.randomness import stream
 from tracking.consistency import lost
 from tracking.gaussian import Gaussian, Mixture, merge
@@ -27,6 +27,8 @@ EARLY, EARLY_RUNS = 20, 20_000  # scans of the first half second; so few of them
 WIDE = Gaussian(PRIOR.mean, np.diag([1.0, 0.25]) * DEGREE**2)  # deg, deg/s squared: little is known at the start
 MODEL, JSBSIM = "model", "jsbsim"
 SCENARIO, DECISION_HEIGHT = "kychak2011_jsbsim", 30.0  # m, printed
+STARTS = (("start.distance_m", 4000.0, 5000.0), *WIND)  # ours: of the flights on JSBSim
+ON_A_GLIDE = 50  # draws of noise on each: errors under anomalies have long tails, and the angle hardly moves
 
 Chain = tuple[tuple[float, float], ...]
 
@@ -48,33 +50,39 @@ NO_ANOMALIES = independent(0.0)
 
 
 class Found(NamedTuple):
-    """Mean squared errors per run (N,), deg^2, in the steady state, and what is believed."""
+    """Mean squared errors per run or flight (N,), deg^2, in the steady state, and what is believed."""
 
     settled: dict[str, Any]
-    normalised: dict[str, Any]  # (STEPS, N) squared errors over the variance believed
+    normalised: dict[str, Any]  # (STEPS, draws) squared errors over the variance believed
     doubt: Any  # (N,) mean probability of an anomaly
     decided: Any  # (N,) share of steps where it exceeds a half
 
 
-@lru_cache(maxsize=1)
-def glide() -> Any:
-    """The angle (rad) flown on JSBSim, up to the decision height."""
-    flight = flown(SCENARIO)
-    low = flight.state.time[np.argmax(flight.during("glide") & (flight.state.height < DECISION_HEIGHT))]
-    return flight.elevation(low - PERIOD * np.arange(STEPS, -1, -1))[0]
+@lru_cache(maxsize=2)
+def glides(seed: int, count: int) -> Any:
+    """Angles (STEPS + 1, count), rad, flown on JSBSim in drawn winds, up to the decision height."""
+    found = []
+    for flight in flights(SCENARIO, seed, count, STARTS):
+        below = flight.during("glide") & (flight.state.height < DECISION_HEIGHT)
+        if not below.any():
+            raise ValueError(f"a flight of '{SCENARIO}' never came down to the decision height")
+        low = flight.state.time[np.argmax(below)]
+        found.append(flight.elevation(low - PERIOD * np.arange(STEPS, -1, -1))[0])
+    return np.stack(found, axis=1)
 
 
 @lru_cache(maxsize=12)
 def experiment(
     seed: int, runs: int, chain: Chain, factor: float = FACTOR, truth: str = MODEL, prior: str = "known"
 ) -> Found:
-    """The glide leg and every filter on the same measurements."""
+    """The glide leg and every filter on the same measurements; on JSBSim a run is a flight with all its draws."""
     generator = stream(seed, 0, 0, f"kychak2011.{truth}.{prior}.{chain}.{factor}")
     begun = PRIOR if prior == "known" else WIDE
     if truth == MODEL:
         angle, seen = drawn(generator, runs, STEPS, begun, chain, (1.0, factor))
     else:
-        angle, seen, begun = along(generator, runs, glide(), begun.cov, chain, (1.0, factor))
+        flown = np.repeat(glides(seed, runs), ON_A_GLIDE, axis=1)
+        angle, seen, begun = along(generator, flown, begun.cov, chain, (1.0, factor))
     filters: dict[str, Any] = {"kalman": (Elevation(MEASURED), seen), "two": (SwitchingNoise(MEASURED), seen)}
     if (chain, factor) == (PRINTED_CHAIN, FACTOR):
         filters["effective"] = (Elevation(MEASURED), replace(seen, R=EFFECTIVE * seen.R))
@@ -93,10 +101,11 @@ def experiment(
             errors.append(error)
             normalised.append(error**2 / estimate.cov[0, 0])
         squares = (np.array(errors) / DEGREE) ** 2
-        settled[name] = squares[SETTLED:].mean(axis=0)
+        settled[name] = per_flight(squares[SETTLED:].mean(axis=0), runs)
         believed[name] = np.array(normalised, np.float32)
     doubt = np.array(doubts)[SETTLED:]
-    return Found(settled, believed, doubt.mean(axis=0), (doubt > 0.5).mean(axis=0))
+    shares = (per_flight(share.mean(axis=0), runs) for share in (doubt, doubt > 0.5))
+    return Found(settled, believed, *shares)
 
 
 def squared(interval: Interval) -> Interval:
@@ -118,22 +127,23 @@ def ratio(
 
 
 @lru_cache(maxsize=4)
-def early(seed: int, truth: str) -> dict[str, Any]:
-    """Squared errors (EARLY, EARLY_RUNS) of both filters at the first scans."""
+def early(seed: int, runs: int, truth: str) -> dict[str, Any]:
+    """Squared errors (EARLY, runs or flights) of both filters at the first scans, of EARLY_RUNS draws in all."""
     generator = stream(seed, 0, 0, f"kychak2011.early.{truth}")
     if truth == MODEL:
         angle, seen = drawn(generator, EARLY_RUNS, EARLY, PRIOR, PRINTED_CHAIN, (1.0, FACTOR))
         begun = PRIOR
     else:
-        first = glide()[: EARLY + 1]
-        angle, seen, begun = along(generator, EARLY_RUNS, first, PRIOR.cov, PRINTED_CHAIN, (1.0, FACTOR))
+        first = np.repeat(glides(seed, runs)[: EARLY + 1], EARLY_RUNS // runs, axis=1)
+        angle, seen, begun = along(generator, first, PRIOR.cov, PRINTED_CHAIN, (1.0, FACTOR))
     found: dict[str, list[Any]] = {"kalman": [], "two": []}
     for name, tracker in (("kalman", Elevation(MEASURED)), ("two", SwitchingNoise(MEASURED))):
         for epoch in follow(tracker, seen, begun, start=0.0):
             estimate = epoch.estimate
             mean = (merge(estimate) if isinstance(estimate, Mixture) else estimate).mean
             found[name].append((mean[0] - angle[epoch.row]) ** 2)
-    return {name: np.array(errors) for name, errors in found.items()}
+    samples = EARLY_RUNS if truth == MODEL else runs
+    return {name: per_flight(errors, samples) for name, errors in found.items()}
 
 
 def steady_over(scans: slice, truth: str = MODEL) -> Any:
@@ -142,7 +152,8 @@ def steady_over(scans: slice, truth: str = MODEL) -> Any:
     def measured(seed: int, runs: int) -> Interval:
         settled = experiment(seed, runs, PRINTED_CHAIN, FACTOR, truth).settled
         late = gain(settled["kalman"], settled["two"])
-        first = gain(*(early(seed, truth)[name][scans].mean(axis=0) for name in ("kalman", "two")))
+        begun = early(seed, EARLY_RUNS if truth == MODEL else runs, truth)
+        first = gain(*(begun[name][scans].mean(axis=0) for name in ("kalman", "two")))
         value = (late.value / first.value) ** 2
         spread = 2.0 * math.hypot(math.log(late.high / late.value), math.log(first.high / first.value))
         return Interval(value, value * math.exp(-spread), value * math.exp(spread), runs)
@@ -174,11 +185,11 @@ def excess(variance: bool, truth: str = MODEL) -> Any:
     return measured
 
 
-def lost_share(name: str, chain: Chain, prior: str, truth: str = MODEL) -> Any:
+def lost_share(name: str, chain: Chain, prior: str) -> Any:
     """Measure of the share of runs that lose the angle, per cent."""
 
     def measured(seed: int, runs: int) -> Interval:
-        found = experiment(seed, runs, chain, FACTOR, truth, prior).normalised[name]
+        found = experiment(seed, runs, chain, FACTOR, MODEL, prior).normalised[name]
         return percent(mean_interval(lost(found, 1).astype(float)))
 
     return measured
@@ -221,11 +232,6 @@ def ratio_needed(variance: float) -> float:
         middle = math.sqrt(low * high)
         low, high = (middle, high) if beam(middle) > variance else (low, middle)
     return low
-
-
-def free_space(distance: float) -> float:
-    """Variance (deg^2) at the decision height where the largest printed one, 50e-4, holds at ``distance``."""
-    return beam(ratio_needed(50e-4) * (distance / 750.0) ** 2)
 
 
 NEEDED = 10.0 * math.log10(ratio_needed(VARIANCE))  # dB

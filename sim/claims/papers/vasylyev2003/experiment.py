@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from autopilot.modes.lateral_navigation import LateralNavigation
-from sim.claims.jsbsim_flights import flown
+from sim.claims.jsbsim_flights import WIND, flights, per_flight
+from sim.claims.ledger import DRAWS
 from sim.flight.truths.route_capture import NOMINAL, RouteCapture
 from sim.randomness import stream
 from tracking.gaussian import Gaussian
@@ -28,7 +29,9 @@ from tracking.trackers.saturated_control import SaturatedControl
 SIGMA = 100.0  # m, printed
 PERIOD, DENSITY = 4.0, 0.1  # s, m2/s3: ours, of a terminal radar
 OUTSIDE, INSIDE = 5000.0, 500.0  # m: starts with and without saturation
+BESIDE = 0.2  # of the start, that a flight on JSBSim begins farther or nearer at most
 DURATION, SPEED = 300.0, 100.0  # s, m/s
+CHARTED = 72.0  # m/s, of the scenarios: wind is not told
 NOISES = ((4.0, 0.1), (1.0, 0.1), (10.0, 0.1), (4.0, 0.001), (4.0, 1.0))  # period and density
 UNIFORM = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # densities tried for the filter without a law
 UNLIMITED = LateralNavigation(NOMINAL.k1, NOMINAL.k2, 1e9, 1e9, 1e9)
@@ -82,7 +85,7 @@ def seen(truth: Any, runs: int, generator: np.random.Generator, period: float, l
 
 
 @lru_cache(maxsize=4)
-def flights(seed: int, runs: int, density: float) -> dict[tuple[float, str], Any]:
+def model_flights(seed: int, runs: int, density: float) -> dict[tuple[float, str], Any]:
     """Deviation and rate (s, 2, runs) at every second in the double integrator, by start (m) and limits."""
     cases = [(OUTSIDE, "limited"), (OUTSIDE, "unlimited")]
     if density == DENSITY:
@@ -103,21 +106,29 @@ def flights(seed: int, runs: int, density: float) -> dict[tuple[float, str], Any
 def ensemble(seed: int, runs: int, period: float, density: float) -> dict[tuple[float, str], Capture]:
     """Captures with their radar, by start (m) and limits; the period is whole seconds."""
     noise = stream(seed, 0, 0, f"vasylyev2003.{period}.{density}.radar")
-    parts = flights(seed, runs, density)
+    parts = model_flights(seed, runs, density)
     if (period, density) != (PERIOD, DENSITY):
         parts = {case: part for case, part in parts.items() if case[0] == OUTSIDE}
     every = round(period)
     return {case: seen(part[::every], runs, noise, period, NOMINAL, SPEED) for case, part in parts.items()}
 
 
+def captures(seed: int, count: int, scenario: str, start: float) -> Any:
+    """Flights of a bundled scenario from about ``start`` (m), in drawn winds."""
+    return flights(
+        scenario, seed, count, (("start.cross_track_m", (1.0 - BESIDE) * start, (1.0 + BESIDE) * start), *WIND)
+    )
+
+
 @lru_cache(maxsize=8)
-def six_degrees(seed: int, runs: int, scenario: str, start: float) -> Capture:
-    """The capture that a bundled scenario flies on JSBSim, under its own law."""
-    flight = flown(scenario, ("start.cross_track_m", start))
-    rows = np.concatenate([[0], flight.rows(PERIOD)])
-    truth = np.stack([flight.state.east[rows], flight.state.velocity_east[rows]], axis=1)[..., None]
+def six_degrees(seed: int, count: int, scenario: str, start: float) -> Capture:
+    """Captures that a bundled scenario flies on JSBSim, under its own law, each with all draws of its noise."""
+    flown = captures(seed, count, scenario, start)
+    rows = np.concatenate([[0], flown[0].rows(PERIOD)])
+    truth = np.stack([[one.state.east[rows], one.state.velocity_east[rows]] for one in flown], axis=-1)
     generator = stream(seed, 0, 0, f"{scenario}.{start}")
-    return seen(truth, runs, generator, PERIOD, flight.law, float(np.median(flight.state.ground_speed)))
+    runs = np.repeat(truth, DRAWS, axis=-1).swapaxes(0, 1)
+    return seen(runs, count * DRAWS, generator, PERIOD, flown[0].law, CHARTED)
 
 
 def capture(seed: int, runs: int, start: float, truth: str = MODEL) -> Capture:
@@ -157,11 +168,11 @@ def ensemble_squares(name: str, seed: int, runs: int, period: float, density: fl
 
 @lru_cache(maxsize=24)
 def capture_squares(name: str, seed: int, runs: int, start: float, truth: str) -> Any:
-    """Mean squared error of each run of one capture."""
+    """Mean squared error of each run of one capture, on JSBSim of each flight."""
     if truth == MODEL:
         return ensemble_squares(name, seed, runs, PERIOD, DENSITY)[start, "limited"]
     data = capture(seed, runs, start, truth)
-    return squares(tracker(name, data), data)
+    return per_flight(squares(tracker(name, data), data), runs)
 
 
 def linear_over_saturated(start: float, period: float = PERIOD, density: float = DENSITY) -> Any:
@@ -220,18 +231,29 @@ def largest_difference(start: float) -> float:
     return largest_differences()[start]
 
 
-def difference_flown(scenario: str) -> float:
-    """The same between the flight on JSBSim and its law without limits, which only the double integrator can fly."""
-    flight = flown(scenario, ("start.cross_track_m", OUTSIDE))
-    rows = np.concatenate([[0], flight.rows(1.0)])[:201]
-    free = LateralNavigation(flight.law.k1, flight.law.k2, 1e9, 1e9, 1e9)
-    path = RouteCapture("double_integrator", free, OUTSIDE, speed=4000.0, duration=200.0).fly(step=1.0).state.east
-    return float(np.abs(flight.state.east[rows] - path).max() / SIGMA)
+def difference_flown(scenario: str) -> Any:
+    """Measure of the same between the flights on JSBSim and their law without limits, as the double integrator has it.
+
+    No aircraft flies the bank that it asks for.
+    """
+
+    def measured(seed: int, count: int) -> Interval:
+        flown = captures(seed, count, scenario, OUTSIDE)
+        rows = np.concatenate([[0], flown[0].rows(1.0)])[:201]
+        beside = np.array([one.state.east[rows] for one in flown]).T
+        free = LateralNavigation(flown[0].law.k1, flown[0].law.k2, 1e9, 1e9, 1e9)
+        motion = RouteCapture("double_integrator", free, beside[0], speed=4000.0, duration=200.0)
+        return mean_interval(np.abs(beside - motion.fly(step=1.0).state.east).max(axis=0) / SIGMA)
+
+    return measured
 
 
 @lru_cache(maxsize=8)
 def lost(name: str, seed: int, runs: int, starts: tuple[float, ...], truth: str) -> dict[float, Any]:
-    """(runs,) 1 where the truth stays outside its 1 - 1e-6 interval for ten scans behind a gate, by start."""
+    """(runs,) 1 where the truth stays outside its 1 - 1e-6 interval for ten scans behind a gate, by start.
+
+    On JSBSim the share of the draws of each flight.
+    """
     data = together([capture(seed, runs, start, truth) for start in starts])
     filter_, z, R = tracker(name, data), data.measurements.z, data.measurements.R
     state = filter_.begin(Gaussian(data.prior.mean, data.prior.cov[..., None]))
@@ -244,7 +266,8 @@ def lost(name: str, seed: int, runs: int, starts: tuple[float, ...], truth: str)
         mean, cov = filter_.estimate(state)
         outside = np.where(np.abs(mean[0] - data.truth[k, 0]) > LOSS * np.sqrt(cov[0, 0]), outside + 1, 0)
         longest = np.maximum(longest, outside)
-    return dict(zip(starts, (longest >= LOST_FOR).astype(float).reshape(-1, runs), strict=True))
+    ends = (longest >= LOST_FOR).astype(float).reshape(len(starts), -1)
+    return {start: per_flight(end, runs) for start, end in zip(starts, ends, strict=True)}
 
 
 FAR = (5000.0, 3000.0, 8000.0)
@@ -266,7 +289,7 @@ def lost_share(name: str, start: float) -> Any:
 
 @lru_cache(maxsize=32)
 def looked_ahead(seed: int, runs: int, name: str, density: float, truth: str) -> dict[float, Any]:
-    """Mean squared error per run of what is predicted from every fourth scan, by how far ahead (s)."""
+    """Mean squared error per run, or flight, of what is predicted from every fourth scan, by how far ahead (s)."""
     data = capture(seed, runs, OUTSIDE, truth)
     filter_ = tracker(name, data, density)
     epochs = [e for e in follow(filter_, data.measurements, data.prior, 0.0) if e.row and e.row % 4 == 0]
@@ -277,9 +300,9 @@ def looked_ahead(seed: int, runs: int, name: str, density: float, truth: str) ->
     for ahead in AHEAD:
         state, _ = filter_.step(state, ahead - done, None, None)
         done, then = ahead, rows + round(ahead / PERIOD)
-        told = filter_.estimate(state).mean[0].reshape(len(rows), runs)
+        told = filter_.estimate(state).mean[0].reshape(len(rows), -1)
         inside = then < len(data.truth)
-        found[ahead] = ((told[inside] - data.truth[then[inside], 0]) ** 2).mean(axis=0)
+        found[ahead] = per_flight(((told[inside] - data.truth[then[inside], 0]) ** 2).mean(axis=0), runs)
     return found
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sim.claims.jsbsim_flights import flown
+from sim.claims.ledger import FLIGHTS
 from sim.claims.papers.vasylyev2003.experiment import (
     GIVEN_GAINS,
     MODEL,
@@ -46,15 +47,18 @@ def captures(seed: int) -> Iterator[Plot]:
 
 def lateral_errors(seed: int) -> Iterator[Plot]:
     """Errors of both filters, on the model and on JSBSim."""
-    for truth, where in ((MODEL, "in the double integrator"), (GIVEN_GAINS, "flown on JSBSim")):
-        data = capture(seed, RUNS, OUTSIDE, truth)
+    for truth, runs, where in (
+        (MODEL, RUNS, "in the double integrator"),
+        (GIVEN_GAINS, FLIGHTS, f"of {FLIGHTS} flights on JSBSim"),
+    ):
+        data = capture(seed, runs, OUTSIDE, truth)
         time = data.measurements.time[1:]
         names = {"linear": "linear feedback", "saturated": "saturated control"}
         found = {text: errors(tracker(name, data), data) for name, text in names.items()}
         yield Plot(
             "fig. 4",
             f"Lateral error of both filters, {where}",
-            f"RMSE of {RUNS} runs of the limited capture; the radar has 100 m.",
+            f"RMSE of {data.truth.shape[-1]} runs of the limited capture; the radar has 100 m.",
             "time, s",
             "RMSE, m",
             (

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.claims.angle_channel import DEGREE, INCREMENT, MEASURED, SIGMA, VARIANCE, drawn, record
-from sim.claims.jsbsim_flights import flown
+from sim.claims.jsbsim_flights import WIND, flights, per_flight, root_mean, side_by_side
 from sim.randomness import stream
 from tracking.gaussian import Gaussian
 from tracking.intervals import Interval, gain, mean_interval, rmse
@@ -36,6 +36,9 @@ SECOND = np.diag(SPREAD[:2] ** 2)
 START = Gaussian(np.array([0.7, 0.0122]) * DEGREE, SECOND)  # ours: the paper does not print it
 RECIPE = math.radians(math.sqrt(2.42e-7)) * PERIOD  # rad/s per step: the manoeuvre noise of the recipe at 5 km
 PUBLISHED = Elevation(MEASURED)
+UNIFORM, UNIFORM_WIDE = "uniformly accelerated", "uniformly accelerated, wide prior"  # Singer's limit T / tau -> 0
+FOR_EVER = 1e6  # s: the acceleration loses 8e-5 of itself over the leg
+UNIFORMLY = Elevation(MEASURED, 3, acceleration_density=0.0, correlation_time=FOR_EVER)
 FILTERS = {
     "as published": PUBLISHED,
     "Q as an acceleration": Elevation(MEASURED, rate_increment=0.01 * PERIOD * DEGREE, held=True),
@@ -45,30 +48,49 @@ FILTERS = {
     "first order, tuned": Elevation(MEASURED, 1, angle_increment=math.sqrt(1e-5) * DEGREE),
     "first order, Q 1e-4": Elevation(MEASURED, 1, angle_increment=INCREMENT * DEGREE),
     "third order, tuned": Elevation(MEASURED, 3),
+    UNIFORM: UNIFORMLY,
+    UNIFORM_WIDE: UNIFORMLY,
 }
+WIDER = {UNIFORM_WIDE: 10.0}  # times the spread of the prior
 PAPER, JSBSIM = "paper", "mls_profile"
+STARTS = (("start.distance_m", 14e3, 16e3), *WIND)  # ours: of the flights on JSBSim
+LONGEST_LEG = 150.0  # s: against the wind
 
 
-class Leg(NamedTuple):
-    """A level leg: the angle (rad) and its distance (m) at every step, and the rate (rad/s) before the first."""
+class Legs(NamedTuple):
+    """Level legs: angle (rad) and distance (m) at every step (steps, legs), and the rates (rad/s) before the first.
+
+    NaN is behind the end of a leg.
+    """
 
     angle: Any
     distance: Any
-    rate: float
+    rate: Any
+
+
+@lru_cache(maxsize=1)
+def printed_leg() -> Legs:
+    """The level leg as printed, which has no process noise."""
+    time = PERIOD * np.arange(1, LEG + 1)
+    distance = 15e3 - 150.0 * time + 0.3125 * time**2
+    motion = elevation_of(distance, 200.0, -150.0 + 0.625 * time, 0.0, 0.625)
+    return Legs(motion.angle[:, None], distance[:, None], motion.rate[:1])
 
 
 @lru_cache(maxsize=2)
-def level_leg(truth: str = PAPER) -> Leg:
-    """The level leg, which has no process noise: as printed, or as JSBSim flies it."""
-    if truth == PAPER:
-        time = PERIOD * np.arange(1, LEG + 1)
-        distance = 15e3 - 150.0 * time + 0.3125 * time**2
-        motion = elevation_of(distance, 200.0, -150.0 + 0.625 * time, 0.0, 0.625)
-        return Leg(motion.angle, distance, float(motion.rate[0]))
-    flight = flown(truth, ("until_s", 100.0))  # the glide path begins before
-    level = flight.flight.time[flight.during("final")][-1]
-    angle, distance = flight.elevation(PERIOD * np.arange(1, math.floor(level / PERIOD)))
-    return Leg(angle, distance, float((angle[1] - angle[0]) / PERIOD))
+def flown_legs(seed: int, count: int) -> Legs:
+    """Level legs as JSBSim flies them, in drawn winds."""
+    found = []
+    for flight in flights(JSBSIM, seed, count, STARTS, ("until_s", LONGEST_LEG)):
+        level = flight.flight.time[flight.during("final")][-1]
+        found.append(np.stack(flight.elevation(PERIOD * np.arange(1, math.floor(level / PERIOD))), axis=1))
+    angle, distance = side_by_side(found).swapaxes(0, 1)
+    return Legs(angle, distance, (angle[1] - angle[0]) / PERIOD)
+
+
+def legs(truth: str, seed: int, runs: int) -> tuple[Legs, int]:
+    """Level legs of a row and the draws of noise on each: all on the printed one, or a sample on every flight."""
+    return (printed_leg(), runs) if truth == PAPER else (flown_legs(seed, runs), SAMPLE)
 
 
 class Followed(NamedTuple):
@@ -91,44 +113,52 @@ def followed(tracker: Elevation, truth: Any, measurements: Any, prior: Gaussian)
 def schedule(steps: int) -> tuple[Any, Any, Any]:
     """Transitions (3, 3, F, 1), gains (steps, 3, 1, F, 1) and variances (steps, F) of all filters, side by side."""
     A, Q, P = (np.zeros((3, 3, len(FILTERS))) for _ in range(3))
-    for place, tracker in enumerate(FILTERS.values()):
+    for place, (name, tracker) in enumerate(FILTERS.items()):
         n = tracker.order
         A[:n, :n, place], Q[:n, :n, place] = tracker.transition(PERIOD)
-        P[:n, :n, place] = np.diag(SPREAD[:n] ** 2)
+        P[:n, :n, place] = np.diag((WIDER.get(name, 1.0) * SPREAD[:n]) ** 2)
     gains, covariances = gain_schedule(P, Model(A, Q, np.eye(1, 3), np.array([[SIGMA**2]])), steps)
     return A[..., None], gains[..., None], covariances[:, 0, 0] / DEGREE**2
 
 
 @lru_cache(maxsize=4)
 def on_the_leg(seed: int, runs: int, truth: str = PAPER) -> dict[str, Followed]:
-    """All filters on a level leg, at a part of the steps: realisation 4, which is realisation 1 to the last bit."""
-    leg = level_leg(truth)
-    steps = len(leg.angle)
+    """All filters on level legs, at a part of the steps: realisation 4, which is realisation 1 to the last bit."""
+    leg, draws = legs(truth, seed, runs)
+    angle, rate = (np.repeat(part, draws, axis=-1) for part in (leg.angle, leg.rate))
+    steps = len(angle)
     A, gains, believed = schedule(steps)
-    z = leg.angle[:, None] + SIGMA * stream(seed, 0, 0, f"volovyk2018.leg.{truth}").standard_normal((steps, runs))
-    x = np.zeros((3, len(FILTERS), runs))
-    x[0] = leg.angle[0] - PERIOD * leg.rate
-    x[1] = leg.rate * np.array([tracker.order > 1 for tracker in FILTERS.values()])[:, None]
+    z = angle + SIGMA * stream(seed, 0, 0, f"volovyk2018.leg.{truth}").standard_normal(angle.shape)
+    x = np.zeros((3, len(FILTERS), angle.shape[1]))
+    x[0] = angle[0] - PERIOD * rate
+    x[1] = rate * np.array([tracker.order > 1 for tracker in FILTERS.values()])[:, None]
     C, kept, errors = np.eye(1, 3)[..., None, None], range(SPACING - 1, steps, SPACING), []
     for k in range(steps):
         x = stored_gain(x, z[k][None, None], gains[k], A, C)
         if k in kept:
-            errors.append((x[0] - leg.angle[k]) / DEGREE)
+            errors.append((x[0] - angle[k]) / DEGREE)
     found = np.array(errors)
     return {name: Followed(found[:, i], believed[kept, i]) for i, name in enumerate(FILTERS)}
 
 
-def beyond(truth: str, distance: float) -> slice:
-    """Kept epochs of a leg from the settled filter on, down to a distance (m)."""
-    return slice(LEG_SETTLED // SPACING, int((level_leg(truth).distance > distance).sum()) // SPACING)
+def mean_squares(name: str, truth: str, seed: int, runs: int, distance: float = 0.0, shares: bool = False) -> Any:
+    """Mean squared errors (runs or flights,) from the settled filter on down to a distance (m).
+
+    ``shares`` = over the variance that the filter believes, otherwise deg^2.
+    """
+    leg, draws = legs(truth, seed, runs)
+    found = on_the_leg(seed, runs, truth)[name]
+    chosen = leg.distance[SPACING - 1 :: SPACING] > distance  # never of a NaN
+    chosen[: LEG_SETTLED // SPACING] = False
+    square = found.errors**2 / (found.believed[:, None] if shares else 1.0)
+    return per_flight(np.nanmean(np.where(np.repeat(chosen, draws, axis=1), square, np.nan), axis=0), runs)
 
 
 def over_theory(name: str, truth: str = PAPER, distance: float = 0.0) -> Any:
     """Measure of the RMS error on the level leg over the deviation that the filter believes."""
 
     def measured(seed: int, runs: int) -> Interval:
-        chosen, found = beyond(truth, distance), on_the_leg(seed, runs, truth)[name]
-        return rmse((found.errors[chosen] ** 2 / found.believed[chosen, None]).mean(axis=0))
+        return root_mean(mean_squares(name, truth, seed, runs, distance, shares=True), runs)
 
     return measured
 
@@ -137,17 +167,16 @@ def worse(first: str, second: str, truth: str = PAPER) -> Any:
     """Measure of the RMS error of one filter over that of another on the level leg."""
 
     def measured(seed: int, runs: int) -> Interval:
-        chosen, found = beyond(truth, 0.0), on_the_leg(seed, runs, truth)
-        return gain(*((found[name].errors[chosen] ** 2).mean(axis=0) for name in (first, second)))
+        return gain(*(mean_squares(name, truth, seed, runs) for name in (first, second)))
 
     return measured
 
 
-def bias(name: str, truth: str = PAPER) -> Any:
-    """Measure of the mean error at the end of the level leg over the random one."""
+def bias(name: str) -> Any:
+    """Measure of the mean error at the end of the printed level leg over the random one."""
 
     def measured(seed: int, runs: int) -> Interval:
-        errors = on_the_leg(seed, runs, truth)[name].errors[-1]
+        errors = on_the_leg(seed, runs)[name].errors[-1]
         return mean_interval(errors / float(errors.std(ddof=1)))
 
     return measured
@@ -170,7 +199,9 @@ def inside(deviation: bool, whole: bool = False, truth: str = "model") -> Any:
             errors, believed = on_the_leg(seed, runs, truth)["as published"]
         square = (errors.reshape(len(errors), -1, SAMPLE) ** 2).mean(axis=2) / believed[:, None]
         within = np.abs((np.sqrt(square) if deviation else square) - 1.0) < BAND
-        return mean_interval(within.all(axis=0) if whole else within.mean(axis=0))._replace(runs=runs)
+        flying = np.isfinite(square)
+        share = (within & flying).sum(axis=0) / flying.sum(axis=0)
+        return mean_interval(share == 1.0 if whole else share)._replace(runs=runs)
 
     return measured
 
@@ -209,7 +240,7 @@ class Stored(NamedTuple):
 
 
 @lru_cache(maxsize=8)
-def side_by_side(seed: int, runs: int, case: Stored) -> tuple[Any, Any]:
+def stored_and_full(seed: int, runs: int, case: Stored) -> tuple[Any, Any]:
     """Errors (STEPS, runs), deg, with a stored gain and with the full filter, which is told what happens on line."""
     generator = stream(seed, 0, 0, "volovyk2018.stored")
     truth, seen = drawn(generator, runs, STEPS, START)
@@ -234,16 +265,11 @@ def stored(case: Stored, chosen: slice) -> Any:
     """Measure of the RMS error of a filter with stored gains over the full one."""
 
     def measured(seed: int, runs: int) -> Interval:
-        found = gain(*((errors[chosen] ** 2).mean(axis=0) for errors in side_by_side(seed, runs, case)))
+        found = gain(*((errors[chosen] ** 2).mean(axis=0) for errors in stored_and_full(seed, runs, case)))
         value, low, high = (round(end, 9) for end in (found.value, found.low, found.high))
         return Interval(value, low, high, runs)  # what rounding does is not worse
 
     return measured
-
-
-def initial(derivative: int) -> Callable[[], float]:
-    """The angle or a derivative of it, in degrees, where the level leg begins."""
-    return lambda: float(np.degrees(elevation_of(15e3, 200.0, -150.0, 0.0, 0.625)[derivative]))
 
 
 def manoeuvre_shares() -> float:

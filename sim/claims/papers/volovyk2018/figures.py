@@ -17,8 +17,8 @@ from sim.claims.papers.volovyk2018.experiment import (
     START,
     STEPS,
     followed,
-    level_leg,
     on_the_model,
+    printed_leg,
 )
 from sim.claims.plots import Curve, Plot
 from sim.flight.truths.mls_profile import MlsProfile
@@ -96,7 +96,7 @@ def variances(seed: int) -> Iterator[Plot]:
 
 def one_realisation(seed: int) -> Iterator[Plot]:
     """Measured and filtered."""
-    truth = level_leg().angle
+    truth = printed_leg().angle[:, 0]
     noise = stream(seed, 0, 0, "volovyk2018.figure").standard_normal((LEG, 1, 1))
     measurements = record(truth[:, None, None] + SIGMA * noise)
     found = followed(PUBLISHED, truth[:, None], measurements, START).errors

@@ -2,34 +2,38 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
-from sim.claims.ledger import MOST_RUNS, Claim, Reading, flown_too
+from sim.claims.ledger import Claim, Reading, counted, flown_too
+from sim.claims.papers.volovyk2022.cost import more_operations, more_time
 from sim.claims.papers.volovyk2022.experiment import (
     DELAYS,
-    DENSER,
-    DENSITY,
-    IMPROVED,
+    ENTRY,
     PAPER_RUNS,
     SMALLEST,
     STRETCHES,
     after_delay,
     delays,
     entry_gains,
+    gain_over,
     gains,
     grows,
+    grows_over_all,
     grows_throughout,
-    norm_over,
     right_belief,
-    share_of_the_scan,
     spared,
-    within_norm,
 )
+from sim.claims.papers.volovyk2022.filters import DENSER, DENSITY, IMPROVED, RIVALS
 from sim.claims.papers.volovyk2022.landing_paths import ENTRIES, JSBSIM, JSBSIM_RIGHT, LEFT, RIGHT
-from sim.claims.verdict import above, at_most, between
+from sim.claims.papers.volovyk2022.norms import annex_10, norm_over, one_degree, two_sigma, within
+from sim.claims.verdict import Printed, above, at_most, between
 
 OURS: Final = "ours"
-FLOWN = "One JSBSim landing pattern in still air; runs are draws of noise."
+FLOWN = (
+    "JSBSim landing patterns that begin 5 to 9 km before the turn onto final, in steady winds of up to 10 m/s from "
+    "ahead or abeam of the runway, 20 draws of noise in each; the interval is over flights."
+)
 BELIEFS = ("turn onto final", "base", "final before the glide path", "glide path")
 READ = (
     (DENSITY, "azimuth", "glide path"),
@@ -46,21 +50,63 @@ READ = (
 )
 
 
-def towards_touchdown(truth: str) -> tuple[Reading, ...]:
-    """Every way to understand the growth: unit, origin of the distance, process noise, everywhere or in the end."""
-    units = (("in metres", "position"), ("in degrees", "azimuth"))
-    origins = (("from the radar", "radar"), ("from the aiming point", "aiming point"))
-    sets = (("", DENSITY), (", density .3", DENSER)) if truth == LEFT else (("", DENSITY),)
-    ends = tuple(
-        Reading(f"{unit}, {place}{noise}", grows(name, what, origin, truth))
-        for noise, name in sets
-        for unit, what in units
-        for place, origin in origins
+UNITS = (("in metres", "position"), ("in degrees", "azimuth"))
+SETS = (("", DENSITY), (", density .3", DENSER))
+
+
+def accuracy(truth: str) -> tuple[Reading, ...]:
+    """Every way to understand the gain: process noise, metres or degrees, leg; and what Annex 10 allows."""
+    return (
+        *(Reading(f"{what}, {leg}, {name}", gains(name, what, leg, truth)) for name, what, leg in READ),
+        Reading(f"norm of Annex 10 over the filter, glide path, {DENSITY}", norm_over(DENSITY, truth)),
     )
-    return ends + tuple(
-        Reading(f"{unit}, from each stretch to the next{noise}", grows_throughout(name, what, truth))
-        for noise, name in sets
-        for unit, what in units
+
+
+def towards_touchdown(truth: str) -> tuple[Reading, ...]:
+    """Every way to understand the growth: unit, origin of the distance, process noise, from where on, throughout."""
+    readings = []
+    for noise, name in SETS:
+        for unit, what in UNITS:
+            readings += [
+                Reading(f"{unit}, from 8 to 6 km on, {place}{noise}", grows(name, what, origin, truth))
+                for place, origin in (("from the radar", "radar"), ("from the aiming point", "aiming point"))
+            ]
+            readings += [
+                Reading(f"{unit}, from the entry of the glide path on{noise}", grows_over_all(name, what, truth)),
+                Reading(
+                    f"{unit}, from each stretch to the next, from the entry on{noise}",
+                    grows_throughout(name, what, (ENTRY, *STRETCHES), truth),
+                ),
+                Reading(
+                    f"{unit}, from each stretch to the next, from 8 km on{noise}",
+                    grows_throughout(name, what, STRETCHES, truth),
+                ),
+            ]
+    return tuple(readings)
+
+
+def norms(truth: str) -> tuple[Reading, ...]:
+    """The norm of Annex 10 and the paper's own, stretch by stretch."""
+    kinds = (
+        ("Annex 10", annex_10),
+        ("1 deg as the largest error", one_degree),
+        ("1 deg as a standard deviation", two_sigma),
+    )
+    return tuple(
+        Reading(f"{text}, {far / 1e3:g} to {near / 1e3:g} km to go{noise}", within(norm, name, far, near, truth))
+        for noise, name in SETS
+        for text, norm in kinds
+        for far, near in STRETCHES
+    )
+
+
+def rivals(truth: str) -> tuple[Reading, ...]:
+    """The published set, as it is and at its best density, against each rival at its best."""
+    return tuple(
+        Reading(f"over {rival}, {leg}, {name}", gain_over(rival, name, leg, truth))
+        for name in (DENSITY, DENSER)
+        for rival in RIVALS
+        for leg in ("all", "turn onto final", "glide path")
     )
 
 
@@ -71,10 +117,7 @@ CLAIMS: tuple[Claim, ...] = (
             "position or azimuth 1.3-1.5 times more accurate than without the filter",
             "conclusions, fig. 4",
             between("1.3", "1.5", good=1),
-            (
-                *(Reading(f"{what}, {leg}, {name}", gains(name, what, leg)) for name, what, leg in READ),
-                Reading(f"norm of Annex 10 over the filter, glide path, {DENSITY}", norm_over(DENSITY)),
-            ),
+            accuracy(LEFT),
             "times",
             truth="kinematic",
             geometry_by=OURS,
@@ -82,16 +125,8 @@ CLAIMS: tuple[Claim, ...] = (
             first_runs=SMALLEST,
             note="The low gain on the glide path comes from the deceleration that no model of the paper has.",
         ),
-        (
-            *(
-                Reading(f"{what}, {leg}, {name}", gains(name, what, leg, JSBSIM))
-                for name, what, leg in READ
-                if name == DENSITY
-            ),
-            Reading(f"norm of Annex 10 over the filter, glide path, {DENSITY}", norm_over(DENSITY, JSBSIM)),
-        ),
+        accuracy(JSBSIM),
         f"{FLOWN} The An-26 slows down before the glide path and on it, and no model of the paper does.",
-        first_runs=50,
     ),
     *flown_too(
         Claim(
@@ -106,13 +141,11 @@ CLAIMS: tuple[Claim, ...] = (
             paper_runs=PAPER_RUNS,
             first_runs=SMALLEST,
             most_runs=1040,
-            note="RMSE at 6-8 km over that at 0.9-1.5 km, or on a stretch of the way over that on the next.",
+            note="RMSE over that at 0.9-1.5 km from the radar, or on the last stretch, 1.5 to 0.5 km to go; or on a "
+            "stretch of the way over that on the next, where it grows least. The entry is 9 to 8.5 km to go.",
         ),
         towards_touchdown(JSBSIM),
         FLOWN,
-        paper_runs=None,
-        first_runs=50,
-        most_runs=MOST_RUNS,
     ),
     *flown_too(
         Claim(
@@ -134,19 +167,23 @@ CLAIMS: tuple[Claim, ...] = (
             Reading("runs without a false turn in the 35 s after the glide path begins", spared(DENSITY, JSBSIM)),
         ),
         FLOWN,
-        paper_runs=None,
-        first_runs=50,
     ),
     Claim(
         "cheap",
-        "computing effort is small",
-        "conclusions",
-        at_most(1.0),
-        (Reading("wall time of a scan is below", share_of_the_scan),),
-        "of the time between scans",
+        "the models cost insignificantly more computation than one filter",
+        "introduction",
+        at_most(10.0),
+        (
+            Reading("operations, of one Kalman filter", counted(more_operations)),
+            Reading("CPU time for 1 run, of one Kalman filter", more_time(1)),
+            Reading(f"CPU time for {PAPER_RUNS} runs, of one Kalman filter", more_time(PAPER_RUNS)),
+            Reading("CPU time for 1 run, of the time between scans", more_time(1, of_the_scan=True)),
+        ),
+        "% more",
         truth="kinematic",
         geometry_by=OURS,
-        note="No limit is printed; judged by whether it keeps up with the radar, on the machine at hand.",
+        note="No limit is printed: a tenth. Any from 1 to 100 % judges alike, on any machine that keeps up with the "
+        "radar a hundred times over. Operations are counted in plain matrices, zeros of F and H included.",
     ),
     *flown_too(
         Claim(
@@ -165,8 +202,8 @@ CLAIMS: tuple[Claim, ...] = (
             Reading("left, turn onto final 90 deg", gains(DENSITY, "position", "all", JSBSIM)),
             Reading("right, turn onto final 90 deg", gains(DENSITY, "position", "all", JSBSIM_RIGHT)),
         ),
-        "One JSBSim landing pattern on either hand. Only left turns are modelled.",
-        first_runs=50,
+        f"{FLOWN} Only left turns are modelled.",
+        first_runs=3,
     ),
     *flown_too(
         Claim(
@@ -189,48 +226,93 @@ CLAIMS: tuple[Claim, ...] = (
             Reading("an innovation detector on a Kalman filter, density 3", delays(3.0, JSBSIM)),
         ),
         FLOWN,
-        first_runs=50,
     ),
-    Claim(
-        "one_model_more",
-        "gain with a model of the deceleration and turns to either side",
-        "not said",
-        None,
-        (
-            Reading("glide path", gains(IMPROVED, "position", "glide path")),
-            Reading("all", gains(IMPROVED, "position", "all")),
-            Reading("all, right-hand", gains(IMPROVED, "position", "all", RIGHT)),
-            Reading("published set with density .3, all", gains(DENSER, "position", "all")),
-            Reading("all, flown on JSBSim", gains(IMPROVED, "position", "all", JSBSIM)),
+    *flown_too(
+        Claim(
+            "more_accurate",
+            "interacting models are more accurate than the methods before them",
+            "introduction",
+            above(1.0),
+            rivals(LEFT),
+            "times",
+            truth="kinematic",
+            geometry_by=OURS,
+            first_runs=SMALLEST,
+            most_runs=520,
+            note="Position RMSE of the rival over that of the models. A rival has the parameters that are best over "
+            "the whole pattern on another seed, and so has the published set with density .3.",
         ),
-        "times",
-        truth="kinematic",
-        geometry_by=OURS,
-        first_runs=SMALLEST,
-        overlooked=True,
+        rivals(JSBSIM),
+        FLOWN,
     ),
-    Claim(
-        "annex_10_norm",
-        "scans within the norm of Annex 10 for the azimuth, which asks for 95 %",
-        "conclusions",
-        None,
+    *flown_too(
+        Claim(
+            "one_model_more",
+            "gain with a model of the deceleration and turns to either side",
+            "not said",
+            None,
+            (
+                Reading("glide path", gains(IMPROVED, "position", "glide path")),
+                Reading("all", gains(IMPROVED, "position", "all")),
+                Reading("all, right-hand", gains(IMPROVED, "position", "all", RIGHT)),
+                Reading("published set with density .3, all", gains(DENSER, "position", "all")),
+            ),
+            "times",
+            truth="kinematic",
+            geometry_by=OURS,
+            first_runs=SMALLEST,
+            overlooked=True,
+        ),
+        (
+            Reading("glide path", gains(IMPROVED, "position", "glide path", JSBSIM)),
+            Reading("all", gains(IMPROVED, "position", "all", JSBSIM)),
+            Reading("published set with density .3, all", gains(DENSER, "position", "all", JSBSIM)),
+        ),
+        FLOWN,
+    ),
+    *flown_too(
+        Claim(
+            "annex_10_norm",
+            "no discrepancy with the regulated accuracy of angles: scans within it, of which Annex 10 asks for 95 %",
+            "abstract",
+            Printed(">= 95", 95.0, math.inf),
+            norms(LEFT),
+            "%",
+            truth="kinematic",
+            geometry_by=OURS,
+            paper_runs=PAPER_RUNS,
+            first_runs=SMALLEST,
+            most_runs=520,
+            note="Annex 10: 0.6 % of the distance from the antenna and a tenth of the deviation, or 9 m, where the "
+            "paper takes 1 deg for the requirement, three times as much.",
+        ),
+        norms(JSBSIM),
+        FLOWN,
+    ),
+    *flown_too(
+        Claim(
+            "annex_10_norm_improved",
+            "the same of a set with the deceleration and turns to either side",
+            "not said",
+            None,
+            tuple(
+                Reading(f"Annex 10, {far / 1e3:g} to {near / 1e3:g} km to go", within(annex_10, IMPROVED, far, near))
+                for far, near in STRETCHES
+            ),
+            "%",
+            truth="kinematic",
+            geometry_by=OURS,
+            first_runs=SMALLEST,
+            most_runs=520,
+            overlooked=True,
+        ),
         tuple(
-            Reading(f"{text}, {far / 1e3:g} to {near / 1e3:g} km to go", within_norm(name, far, near, truth))
-            for text, name, truth in (
-                ("published set", DENSITY, LEFT),
-                ("density .3", DENSER, LEFT),
-                ("improved set", IMPROVED, LEFT),
-                ("improved set on JSBSim", IMPROVED, JSBSIM),
+            Reading(
+                f"Annex 10, {far / 1e3:g} to {near / 1e3:g} km to go", within(annex_10, IMPROVED, far, near, JSBSIM)
             )
             for far, near in STRETCHES
         ),
-        "%",
-        truth="kinematic",
-        geometry_by=OURS,
-        first_runs=SMALLEST,
-        most_runs=520,
-        overlooked=True,
-        note="0.6 % of the distance from the antenna and a tenth of the deviation, or 9 m: 1 deg is three times it.",
+        FLOWN,
     ),
     Claim(
         "accuracy_against_delay",

@@ -1,16 +1,21 @@
-"""The experiment of Volovyk 2022: sets of models on the landing pattern, flown by a point mass and by JSBSim."""
+"""The experiment of Volovyk 2022: filters on the landing pattern, flown by a point mass and by JSBSim.
+
+A measure is given the seed and a number of runs: draws of air and noise of the point mass, flights on JSBSim, each of
+which has `DRAWS` of noise and counts once.
+"""
 
 from __future__ import annotations
 
 import math
-import time as clock
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.claims.jsbsim_flights import per_flight
+from sim.claims.ledger import DRAWS
+from sim.claims.papers.volovyk2022.filters import DENSITY, FILTERS, PLOTS, RADAR
 from sim.claims.papers.volovyk2022.landing_paths import (
     ALL_ENTRIES,
     EACH,
@@ -18,7 +23,6 @@ from sim.claims.papers.volovyk2022.landing_paths import (
     JSBSIM,
     JSBSIM_RIGHT,
     LEFT,
-    RIGHT,
     SCAN,
     entered,
     mirrored,
@@ -27,18 +31,15 @@ from sim.claims.papers.volovyk2022.landing_paths import (
 )
 from sim.flight.truths.landing_pattern import BASE, FINAL, FINAL_TURN, GLIDE
 from sim.randomness import stream
-from tracking.gaussian import Gaussian, merge
+from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.intervals import Interval, gain, mean_interval
-from tracking.measurement import ConvertedPolar, DebiasedPolar
 from tracking.monitor import NisMonitor
-from tracking.motion import ConstantVelocity, Transition
+from tracking.motion import ConstantVelocity
 from tracking.smoothing import smooth_fixed_lag
-from tracking.track import Measurements, Track, chunks, follow, track
-from tracking.trackers.imm import InteractingMultipleModel, ModelSet, improved_set, published_set
+from tracking.track import Measurements, Track, Tracker, chunks, follow, track
 from tracking.trackers.kalman import Kalman
 
 PAPER_RUNS = 130
-RADAR = (1200.0, 150.0)  # m: 900 m past the aiming point, 150 m right of the centreline; ours
 AIMING_POINT = 300.0  # m
 SIGMAS = np.array([30.0, math.radians(1.0)])
 PRIOR = np.diag([1e3, 0.05, 1e3, 0.05])
@@ -54,51 +55,8 @@ LEGS = {
     "glide path": (GLIDE,),
 }
 NEAR, FAR = (900.0, 1500.0), (6000.0, 8000.0)  # m
+ENTRY = (9000.0, 8500.0)  # m to go, where the glide path begins
 STRETCHES = ((8000.0, 6000.0), (6000.0, 4500.0), (4500.0, 3000.0), (3000.0, 1500.0), (1500.0, 500.0))  # m, to go
-NORM_SHARE, NORM_LEAST, NORM_OF_DEVIATION = 0.006, 9.0, 0.1  # Annex 10, 3.2.3.3.1: of the distance, m, of the deviation
-
-
-@dataclass(frozen=True)
-class Printed:
-    """A published model with another reading of its process noise, Q(dt) = ``noise``."""
-
-    motion: Any
-    noise: tuple[tuple[float, ...], ...]
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        return tuple(self.motion.channels)
-
-    @property
-    def depends_on_state(self) -> bool:
-        return bool(self.motion.depends_on_state)
-
-    def transition(self, dt: float, mean: Any) -> Transition:
-        """The model's F with the noise as read."""
-        return Transition(self.motion.transition(dt, mean).F, np.array(self.noise))
-
-
-def read_as(noise: Any) -> ModelSet:
-    """The published set under another reading of Q."""
-    published = published_set()
-    rows = tuple(map(tuple, np.asarray(noise, float).tolist()))
-    return published._replace(models=tuple(Printed(model, rows) for model in published.models))
-
-
-def through_acceleration() -> Any:
-    """B diag(.01, .01) B' with an acceleration held over the scan."""
-    column = np.array([[0.5 * SCAN**2], [SCAN]])
-    return np.kron(np.eye(2), 0.01 * column @ column.T)
-
-
-DENSITY, DENSER, IMPROVED = "Q a density of .01", "Q a density of .3", "improved set"
-SETS = {
-    DENSITY: published_set(0.01),
-    "Q of B diag(.01) B'": read_as(through_acceleration()),
-    "Q .01 I": read_as(0.01 * np.eye(4)),
-    DENSER: published_set(0.3),
-    IMPROVED: improved_set(0.01, 0.05),
-}
 
 
 class Experiment(NamedTuple):
@@ -110,15 +68,16 @@ class Experiment(NamedTuple):
     prior: Gaussian
     distance: Any  # (k, runs) m, from the radar
     to_go: Any  # (k, runs) m, to the aiming point
+    draws: int = 1  # of each flight, side by side in the runs
 
 
-@lru_cache(maxsize=3)
+@lru_cache(maxsize=4)
 def experiment(seed: int, runs: int, truth: str = LEFT) -> Experiment:
     """A landing pattern as the radar sees it."""
     if truth == ALL_ENTRIES:
         path = entered(seed)
     elif truth in (JSBSIM, JSBSIM_RIGHT):
-        path = six_degrees(runs, LEFT if truth == JSBSIM else RIGHT)
+        path = six_degrees(seed, runs, truth)
     else:
         path = pattern(seed, runs) if truth == LEFT else mirrored(pattern(seed, runs))
     north, east = path.place[:, 0] - RADAR[0], path.place[:, 1] - RADAR[1]
@@ -128,13 +87,8 @@ def experiment(seed: int, runs: int, truth: str = LEFT) -> Experiment:
     z = polar + SIGMAS[:, None] * noise
     seen = Measurements(("radar.range", "radar.azimuth"), path.time, path.time, z, R)
     to_go = np.hypot(path.place[:, 0] - AIMING_POINT, path.place[:, 1])
-    return Experiment(seen, path.place, path.phase, Gaussian(path.start, PRIOR), polar[:, 0], to_go)
-
-
-def imm(name: str) -> InteractingMultipleModel:
-    """One of the sets, with the conversion of the paper; the improved one without its bias."""
-    conversion = DebiasedPolar if name == IMPROVED else ConvertedPolar
-    return InteractingMultipleModel(conversion(position=RADAR, height=0.0), SETS[name])
+    draws = DRAWS if truth in (JSBSIM, JSBSIM_RIGHT) else 1
+    return Experiment(seen, path.place, path.phase, Gaussian(path.start, PRIOR), polar[:, 0], to_go, draws)
 
 
 class Squares(NamedTuple):
@@ -147,18 +101,23 @@ class Squares(NamedTuple):
 
 @lru_cache(maxsize=10)
 def squares(name: str, seed: int, runs: int, truth: str = LEFT) -> Squares:
-    """What a set of models makes of the scans."""
-    data = experiment(seed, runs, truth)
+    """What one of the filters makes of the scans."""
+    return errors(FILTERS[name], experiment(seed, runs, truth))
+
+
+def errors(tracker: Tracker, data: Experiment) -> Squares:
+    """What a tracker makes of the scans; it believes in no turn where it has no models."""
     shape, prior = data.phase.shape, data.prior
-    position, azimuth, turning = (np.empty(shape, np.float32) for _ in range(3))
+    position, azimuth, turning = (np.zeros(shape, np.float32) for _ in range(3))
     truth_azimuth = np.arctan2(data.truth[:, 1] - RADAR[1], data.truth[:, 0] - RADAR[0])
-    tracker = imm(name)
     for some in chunks(shape[1], 512):
         begun = prior if prior.mean.ndim == 1 else prior._replace(mean=prior.mean[:, some])
         for epoch in follow(tracker, data.measurements.runs(some), begun, start=0.0):
-            mixture = tracker.estimate(epoch.state)
-            mean = merge(mixture).mean
-            turning[epoch.row, some] = mixture.weights[TURN_LEFT]
+            estimate = epoch.estimate
+            if isinstance(estimate, Mixture):
+                turning[epoch.row, some] = estimate.weights[TURN_LEFT]
+                estimate = merge(estimate)
+            mean = estimate.mean
             position[epoch.row, some] = ((mean[[0, 2]] - data.truth[epoch.row][:, some]) ** 2).sum(axis=0)
             off = np.arctan2(mean[2] - RADAR[1], mean[0] - RADAR[0]) - truth_azimuth[epoch.row, some]
             azimuth[epoch.row, some] = np.angle(np.exp(1j * off)) ** 2
@@ -168,18 +127,32 @@ def squares(name: str, seed: int, runs: int, truth: str = LEFT) -> Squares:
     return Squares(raw, {"position": position, "azimuth": azimuth}, turning)
 
 
-def by_run(values: Any, among: Any) -> Any:
-    """Sum over the chosen scans of each run, divided by their mean number: runs weigh as they have scans."""
-    return np.where(among, values, 0.0).sum(axis=0) / among.sum(axis=0).mean()
+def by_run(values: Any, among: Any, draws: int = 1) -> Any:
+    """Sum over the chosen scans of each run, divided by their mean number: runs weigh as they have scans.
+
+    The ``draws`` of a flight, side by side, are averaged.
+    """
+    sums = np.where(among, values, 0.0).sum(axis=0) / among.sum(axis=0).mean()
+    return per_flight(sums, len(sums) // draws)
+
+
+def mean_over_scans(values: Any, among: Any, draws: int = 1) -> Interval:
+    """Mean over the chosen scans of all runs, with Student's interval of a ratio of means over runs, or flights.
+
+    A run has as many scans as it has: how many is no doubt of the mean.
+    """
+    sums, scans = (by_run(part, among, draws) for part in (values, np.ones(np.shape(among))))
+    value = sums.mean()
+    return mean_interval(value + sums - value * scans)
 
 
 def gains(name: str, what: str, leg: str, truth: str = LEFT) -> Any:
     """Measure of the RMSE of the plots over that of the filter."""
 
     def measured(seed: int, runs: int) -> Interval:
-        found, phase = squares(name, seed, runs, truth), experiment(seed, runs, truth).phase
-        among = np.isin(phase, LEGS[leg])
-        return gain(by_run(found.raw[what], among), by_run(found.own[what], among))
+        found, data = squares(name, seed, runs, truth), experiment(seed, runs, truth)
+        among = np.isin(data.phase, LEGS[leg])
+        return gain(*(by_run(part[what], among, data.draws) for part in (found.raw, found.own)))
 
     return measured
 
@@ -204,48 +177,43 @@ def grows(name: str, what: str, origin: str, truth: str = LEFT) -> Any:
         data, own = experiment(seed, runs, truth), squares(name, seed, runs, truth).own[what]
         away = data.distance if origin == "radar" else data.to_go
         glide = data.phase == GLIDE
-        far, near = (by_run(own, glide & (away > low) & (away < high)) for low, high in (FAR, NEAR))
-        return gain(far, near)
+        chosen = [glide & (away > low) & (away < high) for low, high in (FAR, NEAR)]
+        return gain(*(by_run(own, among, data.draws) for among in chosen))
 
     return measured
 
 
-def grows_throughout(name: str, what: str, truth: str = LEFT) -> Any:
+def by_stretch(name: str, what: str, stretches: Any, seed: int, runs: int, truth: str) -> list[Any]:
+    """Mean square errors of each run, or flight, on stretches of the glide path."""
+    data, own = experiment(seed, runs, truth), squares(name, seed, runs, truth).own[what]
+    glide = data.phase == GLIDE
+    chosen = [glide & (data.to_go < far) & (data.to_go >= near) for far, near in stretches]
+    return [by_run(own, among, data.draws) for among in chosen]
+
+
+def grows_over_all(name: str, what: str, truth: str = LEFT) -> Any:
+    """Measure of the RMSE where the glide path begins over that on its last stretch."""
+    return lambda seed, runs: gain(*by_stretch(name, what, (ENTRY, STRETCHES[-1]), seed, runs, truth))
+
+
+def grows_throughout(name: str, what: str, stretches: Any, truth: str = LEFT) -> Any:
     """Measure of the RMSE on one stretch of the glide path over that on the next, where that ratio is least."""
 
     def measured(seed: int, runs: int) -> Interval:
-        data, own = experiment(seed, runs, truth), squares(name, seed, runs, truth).own[what]
-        glide = data.phase == GLIDE
-        found = [by_run(own, glide & (data.to_go < far) & (data.to_go >= near)) for far, near in STRETCHES]
+        found = by_stretch(name, what, stretches, seed, runs, truth)
         return min((gain(*pair) for pair in pairwise(found)), key=lambda ratio: ratio.value)
 
     return measured
 
 
-def norm(data: Experiment) -> Any:
-    """Largest cross-range error (k, runs), m, that Annex 10 allows a precision approach radar."""
-    share = NORM_SHARE * data.distance + NORM_OF_DEVIATION * np.abs(data.truth[:, 1])
-    return np.maximum(share, NORM_LEAST)
-
-
-def norm_over(name: str, truth: str = LEFT) -> Any:
-    """Measure of the RMS of that norm over the cross-range RMSE on the glide path."""
+def gain_over(rival: str, name: str, leg: str, truth: str = LEFT) -> Any:
+    """Measure of the position RMSE of a rival over that of interacting models."""
 
     def measured(seed: int, runs: int) -> Interval:
-        data, own = experiment(seed, runs, truth), squares(name, seed, runs, truth).own["azimuth"]
-        glide = data.phase == GLIDE
-        return gain(by_run(norm(data) ** 2, glide), by_run(own * data.distance**2, glide))
-
-    return measured
-
-
-def within_norm(name: str, far: float, near: float, truth: str = LEFT) -> Any:
-    """Measure of the share of scans (per cent) with a cross-range error within the radar norm of Annex 10."""
-
-    def measured(seed: int, runs: int) -> Interval:
-        data, own = experiment(seed, runs, truth), squares(name, seed, runs, truth).own["azimuth"]
-        among = np.isin(data.phase, (FINAL, GLIDE)) & (data.to_go < far) & (data.to_go >= near)
-        return mean_interval(100.0 * by_run(np.sqrt(own) * data.distance <= norm(data), among))
+        data = experiment(seed, runs, truth)
+        among = np.isin(data.phase, LEGS[leg])
+        own = (squares(one, seed, runs, truth).own["position"] for one in (rival, name))
+        return gain(*(by_run(part, among, data.draws) for part in own))
 
     return measured
 
@@ -256,7 +224,7 @@ def right_belief(leg: str, truth: str = LEFT) -> Any:
     def measured(seed: int, runs: int) -> Interval:
         data, turning = experiment(seed, runs, truth), squares(DENSITY, seed, runs, truth).turning
         belief = turning if leg == "turn onto final" else 1.0 - turning
-        return mean_interval(by_run(belief, np.isin(data.phase, LEGS[leg])))
+        return mean_over_scans(belief, np.isin(data.phase, LEGS[leg]), data.draws)
 
     return measured
 
@@ -269,21 +237,9 @@ def spared(name: str, truth: str = LEFT) -> Any:
         began = np.argmax(data.phase == GLIDE, axis=0)
         scans = np.arange(len(turning))[:, None]
         among = (scans >= began) & (scans < began + round(AFTER / SCAN))
-        return mean_interval((~((turning > 0.5) & among).any(axis=0)).astype(float))
+        return mean_interval(per_flight(~((turning > 0.5) & among).any(axis=0), runs))
 
     return measured
-
-
-def share_of_the_scan(seed: int, runs: int) -> Interval:
-    """Computing time of one scan of one aircraft over the time between scans, as the power of ten above it."""
-    data = experiment(seed, SMALLEST)
-    one = data.measurements.runs(slice(0, 1))
-    began = clock.perf_counter()
-    for _ in follow(imm(DENSITY), one, data.prior, start=0.0):
-        pass
-    share = (clock.perf_counter() - began) / len(one.time) / SCAN
-    power = 10.0 ** math.ceil(math.log10(share))
-    return Interval(power, power, power, 1)
 
 
 def delays(density: float, truth: str = LEFT) -> Any:
@@ -301,17 +257,17 @@ def delays(density: float, truth: str = LEFT) -> Any:
         scans = np.arange(len(turning))[:, None]
         monitor, alarms = NisMonitor(window=5, false_alarm_rate=1e-3), []
         window = monitor.begin()
-        kalman = Kalman(ConvertedPolar(position=RADAR, height=0.0), ConstantVelocity(density))
+        kalman = Kalman(PLOTS, ConstantVelocity(density))
         for epoch in follow(kalman, data.measurements, data.prior, start=0.0):
             window, said = monitor.step(window, epoch.innovation)
-            alarms.append(np.zeros(runs, bool) if said is None else said.alarm)
+            alarms.append(np.zeros(len(began), bool) if said is None else said.alarm)
         late = len(scans)
         first = [
             np.where(seen.any(axis=0), np.argmax(seen, axis=0), late) - began
             for seen in (np.array(alarms) & (scans >= began), (turning > 0.5) & (scans >= began))
         ]
         # a ratio of means of positive delays, linearised over runs
-        top, bottom = (np.maximum(delay, 1.0) for delay in first)
+        top, bottom = (per_flight(np.maximum(delay, 1.0), runs) for delay in first)
         value = float(top.mean() / bottom.mean())
         spread = mean_interval(top / top.mean() - bottom / bottom.mean())
         return Interval(value, value * math.exp(spread.low), value * math.exp(spread.high), runs)
@@ -328,7 +284,7 @@ def delayed(seed: int) -> dict[float, tuple[Any, Any]]:
     data = experiment(seed, SMALLEST)
     some = slice(0, DELAYED_RUNS)
     seen, motion = data.measurements.runs(some), ConstantVelocity(3.0)
-    tracker = Kalman(ConvertedPolar(position=RADAR, height=0.0), motion)
+    tracker = Kalman(PLOTS, motion)
     record = track(tracker, seen, data.prior, 0.0)
     turning = np.flatnonzero((data.phase[:, some] == FINAL_TURN).any(axis=1))
     longest = round(max(DELAYS) / SCAN)

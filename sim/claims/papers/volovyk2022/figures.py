@@ -8,19 +8,23 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.claims.papers.volovyk2022.experiment import DENSITY, IMPROVED, RADAR, SMALLEST, experiment, imm, squares
-from sim.claims.papers.volovyk2022.landing_paths import JSBSIM, LEFT
+from sim.claims.ledger import FLIGHTS
+from sim.claims.papers.volovyk2022.experiment import SMALLEST, experiment, squares
+from sim.claims.papers.volovyk2022.filters import DENSITY, FILTERS, IMPROVED, RADAR
+from sim.claims.papers.volovyk2022.landing_paths import JSBSIM, LEFT, SCAN
 from sim.claims.plots import Curve, Plot
 from sim.flight.truths.landing_pattern import GROUND
-from tracking.gaussian import merge
+from tracking.gaussian import Mixture, merge
 from tracking.track import follow
+
+RUNS = {LEFT: SMALLEST, JSBSIM: FLIGHTS}
 
 
 def landing_pattern(seed: int) -> Iterator[Plot]:
     """The path."""
     curves = []
     for truth, name, look in ((LEFT, "point mass", "line"), (JSBSIM, "flown on JSBSim", "dashed")):
-        data = experiment(seed, SMALLEST, truth)
+        data = experiment(seed, RUNS[truth], truth)
         airborne = data.phase[:, 0] < GROUND
         north, east = data.truth[airborne, :, 0].T / 1e3
         curves.append(Curve(name, north, -east, look))
@@ -51,9 +55,10 @@ def realised(seed: int) -> Realised:
     data = experiment(seed, SMALLEST)
     airborne = data.phase[:, 0] < GROUND
     weights, means = [], []
-    tracker = imm(DENSITY)
+    tracker = FILTERS[DENSITY]
     for epoch in follow(tracker, data.measurements.runs(slice(0, 1)), data.prior, start=0.0):
-        mixture = tracker.estimate(epoch.state)
+        mixture = epoch.estimate
+        assert isinstance(mixture, Mixture)
         weights.append(mixture.weights[:, 0])
         means.append(merge(mixture).mean[[0, 2], 0] / 1e3)
     z = data.measurements.z[airborne, :, 0]
@@ -98,19 +103,25 @@ def estimates(seed: int) -> Iterator[Plot]:
 
 
 def errors(seed: int) -> Iterator[Plot]:
-    """RMSE of plots and filters over time."""
-    for truth, where in ((LEFT, "point mass"), (JSBSIM, "flown on JSBSim")):
-        data, found = experiment(seed, SMALLEST, truth), squares(DENSITY, seed, SMALLEST, truth)
-        better = squares(IMPROVED, seed, SMALLEST, truth)
-        rows = np.flatnonzero((data.phase < GROUND).all(axis=1))
+    """RMSE of plots and filters over time; runs and flights are brought together at the touchdown."""
+    for truth, where in ((LEFT, "point mass"), (JSBSIM, f"{FLIGHTS} flights on JSBSim")):
+        data = experiment(seed, RUNS[truth], truth)
+        found, better = (squares(name, seed, RUNS[truth], truth) for name in (DENSITY, IMPROVED))
+        ends = (data.phase < GROUND).sum(axis=0)
+        scans = np.arange(ends.min())[:, None] + ends - ends.min()
         yield Plot(
             "fig. 4",
             f"Error of measurement and filter, {where}",
-            f"{SMALLEST} runs; from the base leg to the touchdown.",
-            "time, s",
+            f"{data.phase.shape[1]} runs; from the base leg to the touchdown.",
+            "time to the touchdown, s",
             "position RMSE, m",
             tuple(
-                Curve(name, data.measurements.time[rows], np.sqrt(part["position"][rows].mean(axis=1)), look)
+                Curve(
+                    name,
+                    SCAN * np.arange(-len(scans), 0),
+                    np.sqrt(np.take_along_axis(part["position"], scans, axis=0).mean(axis=1)),
+                    look,
+                )
                 for name, part, look in (
                     ("measurement", found.raw, "line"),
                     ("filter as published", found.own, "line"),

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.claims.jsbsim_flights import flown
+from sim.claims.jsbsim_flights import Flown, Ranges, flights
+from sim.claims.ledger import DRAWS
 from sim.flight.truths.landing_pattern import BASE, FINAL, FINAL_TURN, GLIDE, GROUND, LandingPattern
 from sim.flight.truths.madap import Madap
 from sim.randomness import stream
@@ -23,6 +25,11 @@ BEFORE, BANK = 5000.0, math.radians(15.0)  # m straight before that turn, rad
 FINER = 7  # records of that turn within a scan
 ENTRIES = [(LEFT, turn) for turn in TURNS] + [(RIGHT, turn) for turn in TURNS[1:]]
 EACH = 20  # runs of an entry: entries are many, and what they show is large
+FLIGHTS: Ranges = (  # the runway points to 80 deg, and one lands into the wind
+    ("start.distance_m", 5000.0, 9000.0),
+    ("wind.from_deg", -10.0, 170.0),
+    ("wind.speed_mps", 0.0, 10.0),
+)
 
 
 class Path(NamedTuple):
@@ -73,29 +80,38 @@ def mirrored(path: Path) -> Path:
     return path._replace(place=path.place * [[1.0], [-1.0]], start=path.start * [1.0, 1.0, -1.0, -1.0])
 
 
-def six_degrees(runs: int, side: str) -> Path:
-    """The pattern that JSBSim flies."""
-    flight = flown(SCENARIO, ("route.side", side))
+def six_degrees(seed: int, count: int, truth: str) -> Path:
+    """Patterns that JSBSim flies, DRAWS runs of each flight; a flight begins on the base leg, in a steady wind."""
+    side = LEFT if truth == JSBSIM else RIGHT
+    paths = [flown_path(flight) for flight in flights(SCENARIO, seed, count, FLIGHTS, ("route.side", side))]
+    return together(paths, DRAWS)
+
+
+def flown_path(flight: Flown) -> Path:
+    """One flight."""
     rows, s = flight.rows(SCAN), flight.state
     names = np.array([PHASES.get(name, GROUND) for name in flight.flight.phases])
     place = np.stack([s.north[rows], s.east[rows]], axis=1)[..., None]
-    phase = names[flight.flight.phase[rows]][:, None]
     start = np.array([s.north[0], s.velocity_north[0], s.east[0], s.velocity_east[0]])
-    shape = (len(rows), runs)
-    return Path(s.time[rows], np.broadcast_to(place, (shape[0], 2, runs)), np.broadcast_to(phase, shape), start)
+    return Path(s.time[rows], place, names[flight.flight.phase[rows]][:, None], start)
 
 
 def entered(seed: int) -> Path:
-    """All entries side by side, EACH runs of each; those that land earlier stand still."""
+    """All entries side by side, EACH runs of each."""
     paths = {turn: pattern(seed, EACH, turn) for turn in TURNS}
-    chosen = [paths[turn] if side == LEFT else mirrored(paths[turn]) for side, turn in ENTRIES]
-    longest = max(chosen, key=lambda path: len(path.time))
+    return together([paths[turn] if side == LEFT else mirrored(paths[turn]) for side, turn in ENTRIES])
+
+
+def together(paths: Sequence[Path], times: int = 1) -> Path:
+    """Paths as one, every run of each ``times`` times; those that have landed stand still."""
+    longest = max(paths, key=lambda path: len(path.time))
     k = len(longest.time)
 
-    def padded(values: Any) -> Any:
-        return np.concatenate([values, np.repeat(values[-1:], k - len(values), axis=0)])
+    def padded(values: Any, after: Any) -> Any:
+        behind = np.repeat(after, k - len(values), axis=0)
+        return np.repeat(np.concatenate([values, behind]), times, axis=-1)
 
-    place = np.concatenate([padded(path.place) for path in chosen], axis=2)
-    phase = np.concatenate([padded(path.phase) for path in chosen], axis=1)
-    start = np.concatenate([np.repeat(path.start[:, None], EACH, axis=1) for path in chosen], axis=1)
-    return Path(longest.time, place, phase, start)
+    place = np.concatenate([padded(path.place, path.place[-1:]) for path in paths], axis=2)
+    phase = [padded(path.phase, np.full((1, path.phase.shape[1]), GROUND)) for path in paths]
+    start = [np.repeat(path.start[:, None], path.place.shape[2] * times, axis=1) for path in paths]
+    return Path(longest.time, place, np.concatenate(phase, axis=1), np.concatenate(start, axis=1))

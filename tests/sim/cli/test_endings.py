@@ -1,0 +1,113 @@
+"""How commands end: a code for each kind of end, a sentence for each fault, nothing left behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+
+from sim.cli import commands, endings
+from tests.capture import capture
+
+STOPPABLE = """
+import sys, time
+from sim.cli import commands, listing
+
+def scenario_lines():
+    print("ready", flush=True)
+    time.sleep(60)
+
+listing.scenario_lines = scenario_lines
+sys.argv[1:] = ["list"]
+commands.main()
+"""
+
+
+def started(*arguments, **how):
+    """A process of the project's own code."""
+    return subprocess.Popen(
+        [sys.executable, *arguments], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **how
+    )
+
+
+@pytest.mark.parametrize(("name", "code"), [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130)])
+def test_a_batch_system_stops_a_command_as_ctrl_c_does(name, code):
+    process = started("-c", STOPPABLE)
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(getattr(signal, name))
+    _, told = process.communicate(timeout=30)
+    assert (process.returncode, told) == (code, "stopped\n")
+
+
+def test_a_signal_that_is_ignored_stays_ignored():
+    """As ``nohup`` has it: a terminal that closes does not stop the work."""
+    process = started("-c", STOPPABLE, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(signal.SIGHUP)
+    time.sleep(0.2)
+    assert process.poll() is None
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=30)
+    assert process.returncode == 143
+
+
+def test_what_nobody_foresaw_has_a_code_and_a_private_file(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(sys, "argv", ["shortfinal", "list"])
+    monkeypatch.setattr("sim.cli.listing.scenario_lines", lambda: 1 / 0)
+    with pytest.raises(SystemExit) as ended:
+        commands.main()
+    assert ended.value.code == endings.UNFORESEEN == 4
+    (line,) = capsys.readouterr().err.splitlines()
+    (file,) = tmp_path.iterdir()
+    assert "ZeroDivisionError: division by zero" in line
+    assert str(file) in line
+    assert file.stat().st_mode & 0o777 == 0o600
+    assert "1 / 0" in file.read_text(encoding="utf-8")
+
+
+def test_where_no_file_can_be_written_the_sentence_says_so(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "nowhere"))
+    assert endings.unforeseen(RuntimeError("two\nlines")) == 4
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "RuntimeError: two; its traceback cannot be kept: No such file or directory" in line
+
+
+@pytest.mark.parametrize(
+    ("command", "code", "told"),
+    [
+        ("run nonexist 2>&-", 2, ""),
+        ("list > /dev/full", 4, "shortfinal: what it has to say cannot be written: No space left on device\n"),
+        ("schema | true; exit ${PIPESTATUS[0]}", 141, ""),
+    ],
+)
+def test_streams_that_are_closed_or_full(command, code, told, tmp_path):
+    home = Path(__file__).parents[3]
+    process = started(
+        "-c", "import os, sys; os.execvp('bash', ['bash', '-c', sys.argv[1]])", f"{sys.executable} -m sim {command}",
+        cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(home)},
+    )  # fmt: skip
+    _, error = process.communicate(timeout=60)
+    assert (process.returncode, error) == (code, told)
+
+
+def test_text_is_utf_8_whatever_the_locale(tmp_path):
+    """A resolved scenario with Cyrillic words is read again; a terminal without these letters gets their codes."""
+    words = "\N{CYRILLIC SMALL LETTER KA}\N{CYRILLIC SMALL LETTER ER}"
+    check = f'[[checks]]\nmetric = "bank_deg"\nmax = 9\nname = "{words}"\n'
+    (tmp_path / "short.toml").write_text(capture(check, name="short", until_s=2), encoding="utf-8")
+    home = Path(__file__).parents[3]
+    plain = {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0", "PYTHONPATH": str(home)}
+    plain["PYTHONIOENCODING"] = "latin-1"
+    for file in ("short.toml", "out/short/scenario.toml"):
+        process = started("-m", "sim", "run", file, cwd=tmp_path, env={**os.environ, **plain})
+        told, error = process.communicate(timeout=60)
+        assert (process.returncode, error) == (0, "")
+        assert "\\u043a\\u0440" in told
+    assert words in (tmp_path / "out/short/scenario.toml").read_text(encoding="utf-8")

@@ -1,0 +1,83 @@
+"""No key takes a number that overflows what is computed with it: every numeric key of every kind refuses such sizes."""
+
+from __future__ import annotations
+
+import pytest
+from pydantic import ValidationError
+
+from aircraft.units import MAGNITUDES, SUFFIXES
+from sim.errors import ScenarioError
+from sim.estimation.setup import check
+from sim.experiment import read
+from sim.flight.preparation import prepare
+from sim.scenario import catalogue, tables
+from sim.scenario.parameters import model_of, parameters
+from tests.capture import CAPTURE
+
+TABLES = [getattr(tables, name) for name in ("Runway", "AirTable", "Start", "PatternTable", "AutopilotTable", "Check")]
+KINDS = [
+    catalogue.load(family, kind)
+    for family in ("sensors", "trackers", "modes", "wind_events")
+    for kind in catalogue.kinds(family)
+]
+
+
+def test_every_unit_has_its_range():
+    assert {unit for unit, _ in SUFFIXES.values()} == set(MAGNITUDES)
+
+
+@pytest.mark.parametrize("cls", [*TABLES, *KINDS], ids=lambda cls: cls.__name__)
+def test_numbers_beyond_every_size_are_refused(cls):
+    model, tried = model_of(cls, partial=True), 0
+    numbers = (float, float | None, int, int | None)
+    for parameter in parameters(cls):
+        for key in parameter.keys if parameter.kind in numbers else ():
+            whole = parameter.kind in (int, int | None)
+            for value in (10**400, -(10**12)) if whole else (1e200, -1e200, 1e-200):
+                with pytest.raises(ValidationError) as refused:
+                    model.model_validate({key: value})
+                assert any(fault["loc"][:1] == (key,) for fault in refused.value.errors())
+                tried += 1
+    assert tried or not [parameter for parameter in parameters(cls) if parameter.kind in numbers]
+
+
+@pytest.mark.parametrize("cls", [*TABLES, *KINDS], ids=lambda cls: cls.__name__)
+def test_defaults_can_be_written_into_a_file(cls):
+    """As the resolved scenario does."""
+    for parameter in parameters(cls):
+        if isinstance(parameter.default, int | float) and not isinstance(parameter.default, bool):
+            key, factor = next(iter(parameter.keys.items()))
+            value = parameter.default / factor if parameter.kind in (float, float | None) else parameter.default
+            assert not faults_of_key(model_of(cls, partial=True), key, value)
+
+
+def faults_of_key(model, key, value):
+    try:
+        model.model_validate({key: value})
+    except ValidationError as refused:
+        return [fault for fault in refused.errors() if fault["loc"][:1] == (key,)]
+    return []
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"sensors.radar.position_sigma_m": 1e-200}, "[sensors.radar] position_sigma_m: must be 0 or at least 1e-06"),
+        ({"sensors.radar.position_sigma_ft": 1e200}, "[sensors.radar] position_sigma_ft: must be at most 3.28e+07"),
+        (
+            {"checks": [{"metric": "bank_deg", "max": 1, "for_s": 1e308}]},
+            "[checks] entry 0 for_s: must be at most 1e+09",
+        ),
+        (
+            {"checks": [{"metric": "bank_deg", "max": 1, "during": []}]},
+            "an empty 'during': name a phase, or leave it out",
+        ),
+        ({"trackers.it.sub_step_s": 1e-4}, "[trackers.it] sub_step must be at least 0.01 s"),
+    ],
+)
+def test_the_sentence_names_key_and_limit_in_the_unit_of_the_file(changes, said):
+    sensors = {"radar": {"kind": "surveillance_radar", "period_s": 2}}
+    base = {**CAPTURE, "sensors": sensors, "trackers": {"it": {"kind": "saturated_control"}}}
+    with pytest.raises(ScenarioError) as refused:
+        check(prepare(read(base, changes)))
+    assert said in str(refused.value)
