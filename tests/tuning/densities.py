@@ -233,8 +233,8 @@ chosen here is the default of the kind.
 
 Densities are in m2/s3. Kinds with several are searched one density after the other until none moves; the tables are
 the lines through the choice. Not searched: `straight_density` and `manoeuvre_density` of `intent_imm`, because they
-belong to flight by hand and all these aircraft follow their law; `manoeuvre_detector` and `autonomous_models`, searched
-for the claims of Volovyk 2022 on their flights (sim/claims/papers/volovyk2022); `load_factor`, `load_factor_cartesian` and
+belong to flight by hand and all these aircraft follow their law; `manoeuvre_detector` and `autonomous_models`, which
+are searched on the flights of Volovyk 2022, for the claims about them; `load_factor`, `load_factor_cartesian` and
 `line_of_approach`, whose sensors see no whole approach; the kinds that track an angle.
 """
 
