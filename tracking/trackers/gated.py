@@ -11,8 +11,8 @@ import numpy as np
 from tracking.gaussian import Gaussian, Innovation, update
 from tracking.intervals import chi_square
 from tracking.measurement import Linear, MeasurementModel
-from tracking.motion import ConstantVelocity, Motion
-from tracking.trackers.kalman import filtered
+from tracking.motion import Motion
+from tracking.trackers.kalman import filtered, motion_of
 
 
 @dataclass(frozen=True)
@@ -39,9 +39,7 @@ class Gated:
         rows = self.measurement.rows
         return np.array([0.0, *(chi_square(self.gate_probability, degrees) for degrees in range(1, rows + 1))])
 
-    @cached_property
-    def _motion(self) -> Motion:
-        return ConstantVelocity(self.acceleration_density) if self.motion is None else self.motion
+    _motion = cached_property(motion_of)
 
     @property
     def channels(self) -> tuple[str, ...]:

@@ -10,8 +10,8 @@ import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, lift, update
 from tracking.measurement import Linear, MeasurementModel
-from tracking.motion import ConstantVelocity, Motion
-from tracking.trackers.kalman import filtered
+from tracking.motion import Motion
+from tracking.trackers.kalman import filtered, motion_of
 
 TURNS = 20  # of the search for the far channels; two or three are usual
 
@@ -37,9 +37,7 @@ class Huber:
         if not self.tuning > 0.0:
             raise ValueError("tuning must be positive")
 
-    @cached_property
-    def _motion(self) -> Motion:
-        return ConstantVelocity(self.acceleration_density) if self.motion is None else self.motion
+    _motion = cached_property(motion_of)
 
     @property
     def channels(self) -> tuple[str, ...]:

@@ -5,11 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, Protocol
 
 from tracking.gaussian import Gaussian, Innovation, predict, update
 from tracking.measurement import Linear, MeasurementModel
 from tracking.motion import ConstantVelocity, Motion
+
+
+class OneMotion(Protocol):
+    """A filter with one motion model."""
+
+    @property
+    def motion(self) -> Motion | None:
+        """The given one."""
+        ...
+
+    @property
+    def acceleration_density(self) -> float:
+        """Where none is given, m2/s3."""
+        ...
+
+
+def motion_of(tracker: OneMotion) -> Motion:
+    """The given motion, or straight flight with white acceleration of the given density."""
+    return ConstantVelocity(tracker.acceleration_density) if tracker.motion is None else tracker.motion
 
 
 @dataclass(frozen=True)
@@ -29,9 +48,7 @@ class Kalman:
     def __post_init__(self) -> None:
         _ = self._motion  # a bad parameter is told when it is given
 
-    @cached_property
-    def _motion(self) -> Motion:
-        return ConstantVelocity(self.acceleration_density) if self.motion is None else self.motion
+    _motion = cached_property(motion_of)
 
     @property
     def channels(self) -> tuple[str, ...]:
