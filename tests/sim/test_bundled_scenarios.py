@@ -26,7 +26,7 @@ from sim.scenario import catalogue
 from sim.scenario.reading import read
 from tracking.gaussian import Gaussian
 
-POINT_MASS = {"aircraft": {"model": "point_mass"}, "checks": []}
+POINT_MASS = {"aircraft": {"model": "point_mass"}, "checks": [], "contrasts": []}
 SUFFICES = {"draws": 8, "seed": 4}
 
 
