@@ -4,7 +4,7 @@ BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help demo test lint acceptance tutorials uses extending bench soak fleet clean
+.PHONY: help demo test lint acceptance tutorials uses extending densities bench soak fleet clean
 
 help:
 	@echo "make demo        fly the bundled An-26 approach and write its report"
@@ -13,6 +13,7 @@ help:
 	@echo "make tutorials   run the tutorials and renew what they print and draw"
 	@echo "make uses        run what README and docs show and renew transcripts and figures"
 	@echo "make extending   renew the files that docs/extending.md quotes"
+	@echo "make densities   search the process noise of every tracker and renew docs/densities.md"
 	@echo "make fleet       fly every stock aircraft of JSBSim and renew the table of list --aircraft"
 	@echo "make bench       measure speed, as ratios within one run"
 	@echo "make soak        kill workers and parents of studies and compare what is left"
@@ -45,6 +46,9 @@ uses: .venv/ready
 
 extending: .venv/ready
 	$(BIN)/python tests/docs/extending.py
+
+densities: .venv/ready
+	$(BIN)/python tests/tuning/densities.py
 
 fleet: .venv/ready
 	$(BIN)/python -m sim.cli.fleet

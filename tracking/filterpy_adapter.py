@@ -16,7 +16,7 @@ import numpy as np
 
 from tracking.gaussian import Gaussian
 from tracking.measurement import LinearMeasurement
-from tracking.motion import CARTESIAN, Transition
+from tracking.motion import CARTESIAN, Motion, Transition
 from tracking.trackers.imm import InteractingMultipleModel, ModelSet
 from tracking.trackers.kalman import Kalman
 
@@ -100,8 +100,8 @@ def prior_of(source: Any) -> Gaussian:
 
 
 @lru_cache(maxsize=256)
-def constant_velocity(dt: float, acceleration_density: float) -> Kalman:
-    """filterpy's own design of a planar constant-velocity filter for one period."""
+def constant_velocity(dt: float, acceleration_density: float) -> Motion:
+    """Planar constant velocity for one period, as filterpy designs it."""
     from filterpy.common import Q_continuous_white_noise
     from filterpy.kalman import KalmanFilter
 
@@ -111,7 +111,8 @@ def constant_velocity(dt: float, acceleration_density: float) -> Kalman:
     design.H = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
     tracker = from_filterpy(design)
     assert isinstance(tracker, Kalman)
-    return tracker
+    assert tracker.motion is not None
+    return tracker.motion
 
 
 def _check(source: Any, kalman_filter: Any) -> None:

@@ -235,6 +235,23 @@ class Legs:
         F[0::2] += effect
         return moved + self._drift(mean, dt), F
 
+    def along_at_charted_speed(self, place: Array, mean: Array, dt: float) -> tuple[Array, float]:
+        """Change of the velocity (2, *B) as its part along the leg comes nearer to the charted speed for dt.
+
+        Second is the share that is kept of a difference. It is the charted speed over the ground of an aircraft that
+        holds the leg: to first order in the course error, whose cosine is one.
+        """
+        normal = lift(self.normal(place), 1, mean.ndim - 1)
+        if self.route.chart is None:
+            return np.zeros_like(mean[1::2]), 1.0
+        along = np.stack([normal[1], -normal[0]])
+        wind = np.array(self.wind)
+        airspeed = self.route.charted_speed(place, self.deviation(place, mean).distance_to_go)
+        against = np.einsum("i,i...->...", wind, normal)  # the part of the airspeed that holds the leg
+        charted = np.sqrt(airspeed**2 - against**2) + np.einsum("i,i...->...", wind, along)
+        kept = math.exp(-dt / SPEED_TIME)
+        return (1.0 - kept) * (charted - np.einsum("i...,i...->...", along, mean[1::2])) * along, kept
+
     def _at_charted_speed(self, place: Array, mean: Array, dt: float) -> tuple[Array, Array, Array]:
         """State in the air when its speed has come nearer to the charted one for dt, and that speed.
 
@@ -266,17 +283,14 @@ class Legs:
 
 
 def reference_path(route: Any, law: Law) -> ReferencePath:
-    """The line itself, or the legs of a route whose turns are flown at the law's bank limit."""
-    return route if isinstance(route, Line) else Legs(route, float(np.max(law.bank_limit)))
+    """The line itself, or the legs of a route whose turns are flown at the law's bank limit.
 
-
-def without_roll(route: Any) -> Any:
-    """The line itself, or the route whose turns begin where their circles do.
-
-    An aircraft banks ``time_to_roll`` before the circle begins, because it has to roll first. A tracker that flies the
-    circle at its full bank at once must begin there, or its turn is early by that time.
+    An aircraft banks ``time_to_roll`` before the circle of its turn begins, because it has to roll first. A tracker has
+    no roll: its turns begin where the circles do, or they would be early by that time.
     """
-    return route if isinstance(route, Line) else replace(route, time_to_roll=0.0)
+    if isinstance(route, Line):
+        return route
+    return Legs(replace(route, time_to_roll=0.0), float(np.max(law.bank_limit)))
 
 
 class OnPath(Protocol):
@@ -300,11 +314,6 @@ class OnPath(Protocol):
     @property
     def measurement(self) -> MeasurementModel:
         """Of all its sensors."""
-        ...
-
-    @property
-    def acceleration_density(self) -> float:
-        """Of the process noise, m2/s3."""
         ...
 
     @property
@@ -335,11 +344,18 @@ def estimate_on_path(tracker: OnPath, state: PathState) -> Gaussian:
 
 
 def ahead_in_sub_steps(
-    forward: Callable[[Law, Any, PathState, float, Any], Gaussian], tracker: OnPath, state: PathState, dt: float
+    forward: Callable[[Law, Any, PathState, float, Any], Gaussian],
+    tracker: OnPath,
+    state: PathState,
+    dt: float,
+    density: float,
 ) -> PathState:
-    """The state dt later by ``forward``, an estimate after one sub-step; its place moves with it."""
+    """The state dt later by ``forward``, an estimate after one sub-step; its place moves with it.
+
+    ``density`` (m2/s3) is that of the acceleration.
+    """
     count, step = sub_steps(dt, tracker.sub_step)
-    _, Q = uniform(tracker.path.axes, step, tracker.acceleration_density)
+    _, Q = uniform(tracker.path.axes, step, density)
     for _ in range(count):
         gaussian = forward(tracker.law, tracker.path, state, step, Q)
         state = PathState(gaussian, tracker.path.advance(state.place, gaussian.mean, step))
@@ -401,7 +417,7 @@ def closed(control: Steering, dt: float, noise: Array) -> tuple[Array, Array]:
     half = _closed_loop(control, 0.5 * dt)
     halfway = np.einsum("ij...,jk->ik...", half, np.array([[1.0, -0.5 * dt], [0.0, 1.0]]))
     shaped = np.einsum("ij...,jk,lk...->il...", halfway, noise, halfway)
-    return np.einsum("ij...,jk...->ik...", half, half), shaped
+    return np.einsum("ij...,jk...->ik...", half, half), 0.5 * (shaped + shaped.swapaxes(0, 1))
 
 
 def _closed_loop(control: Steering, dt: float) -> Array:

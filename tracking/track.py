@@ -12,6 +12,7 @@ simulation fills
     zero_azimuth  rad clockwise from north, where the azimuth of its first sensor that measures one is zero
     law           the control law of the autopilot, a `tracking.reference_path.Law`, as it is assumed to be
     alternative_laws   the laws that the autopilot always has too, as designed, a tuple
+    bank_limit    rad, the one at which the autopilot flies its turns, for a tracker that knows no law but turns
     route         the route as charted: its legs, their speeds and that of the glide path, the steady wind
 
 and no others: never the true state, the active leg or the phase. A "given" field of another name needs a default.

@@ -12,7 +12,7 @@ from autopilot.limit_cycles import limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
 from sim.cli.terminal import table
-from sim.estimation.setup import check
+from sim.estimation.setup import check, told
 from sim.flight import swings
 from sim.flight.departures import in_words
 from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared, prepare
@@ -50,9 +50,12 @@ def explain(scenario: Scenario) -> str:
         rows += [(n, kinds[n], ", ".join(s.channels), f"{s.period:.3g}") for n, s in scenario.sensors.items()]
         parts.append("\n".join(table(rows, 3)))
     if scenario.trackers:
-        rows = [("tracker", "kind", "listens to")]
-        rows += [(name, one.kind, ", ".join(one.sensors)) for name, one in scenario.trackers.items()]
-        parts.append("\n".join(table(rows, 3)))
+        rows = [("tracker", "kind", "listens to", "is told")]
+        rows += [
+            (name, one.kind, ", ".join(one.sensors), told(prepared, one.cls) or "-")
+            for name, one in scenario.trackers.items()
+        ]
+        parts.append("\n".join(table(rows, 4)))
     if scenario.contrasts:
         rows = [("contrast of", "against", "called")]
         rows += [(one.of, one.against, one.name or "-") for one in scenario.contrasts]

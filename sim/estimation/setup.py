@@ -34,6 +34,17 @@ def uses_places(cls: type) -> bool:
     return "measurement" in _given(cls)
 
 
+def told(prepared: Prepared, cls: type) -> str:
+    """What trackers of a class are given of the autopilot, in words; empty = nothing."""
+    words = {
+        "law": "law",
+        "alternative_laws": "other laws",
+        "bank_limit": f"bank limit {math.degrees(float(prepared.law.bank_limit)):.4g} deg",
+        "route": "route",
+    }
+    return ", ".join(words[field] for field in words if field in _given(cls))
+
+
 def listened(prepared: Prepared, name: str, tracker: Any, sensors: Iterable[str]) -> tuple[str, ...]:
     """The sensors that a caller's tracker listens to: all, or those that give a place where it reads places.
 
@@ -94,6 +105,8 @@ def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, 
         supplied["law"], law_from = assumed_law(prepared.law, name, choice)
     if "alternative_laws" in wanted:
         supplied["alternative_laws"] = prepared.alternative_laws
+    if "bank_limit" in wanted:
+        supplied["bank_limit"] = float(prepared.law.bank_limit)
     if "route" in wanted:
         supplied["route"] = charted_route(prepared)
     if "measurement" in wanted:

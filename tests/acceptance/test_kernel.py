@@ -43,7 +43,7 @@ def said(values: list[float]) -> str:
 
 @pytest.mark.parametrize("side", [1.0, -1.0], ids=["left", "right"])
 def test_improved_set(side: float, row: Callable[..., None]) -> None:
-    results = measure(side, DebiasedPolar, improved_set(), 20_000)
+    results = measure(side, DebiasedPolar, improved_set(0.01, 0.05), 20_000)
     name = "left-hand" if side > 0.0 else "right-hand"
     for leg, asked in (("all", 4.2), ("glide", 2.9)):
         gains = [result.gain[leg] for result in results]

@@ -56,6 +56,9 @@ class Lateral(NamedTuple):
         return np.arcsin(np.clip(self.cross_track_rate / self.ground_speed, -1.0, 1.0))
 
 
+DENSITY = 0.1  # m2/s3, of the random acceleration of a truth unless told otherwise; filters are told the same
+
+
 def noise_factor(density, dt):
     """Factor of the covariance of integrated white acceleration."""
     if density == 0.0:
@@ -69,7 +72,7 @@ def flown_by(law, offset=0.0, ground_speed=100.0):
 
 
 def line_truth(
-    control, start, seconds, rng, runs, density=0.1, period=PERIOD, dt=0.05, distance_to_go=math.inf, speed=100.0
+    control, start, seconds, rng, runs, density=DENSITY, period=PERIOD, dt=0.05, distance_to_go=math.inf, speed=100.0
 ):
     """(k, 2, N) deviation and rate of ``z'' = g bank + w`` at every scan, by exact steps of dt with the bank held."""
     x = np.array(start, dtype=float)[:, None] + np.zeros((2, runs))
@@ -110,7 +113,9 @@ def shaken(x, factor, rng):
     return x + np.concatenate([factor @ rng.standard_normal((2, runs)), factor @ rng.standard_normal((2, runs))])
 
 
-def route_truth(law, route, start, seconds, rng, runs, density=0.1, period=PERIOD, dt=0.2, roll_lag=0.0, control=None):
+def route_truth(
+    law, route, start, seconds, rng, runs, density=DENSITY, period=PERIOD, dt=0.2, roll_lag=0.0, control=None
+):
     """Course kinematics along a route in its wind, the law on the true deviation, with an optional first-order roll."""
     x = np.array(start, dtype=float)[:, None] + np.zeros((4, runs))
     leg = np.zeros(runs, dtype=int)
@@ -301,7 +306,7 @@ def phases(route, flown):
     return {"base": leg == 0, "turn": (leg == 1) & ~aligned, "final": aligned}
 
 
-def talk_down(tracker, seed, runs=30, scans=70, density=0.1, dt=0.5, period=4.0):
+def talk_down(tracker, seed, runs=30, scans=70, density=DENSITY, dt=0.5, period=4.0):
     """Full-state ANEES of an aircraft whose bank is the law on this tracker's estimate, step by step."""
     rng = np.random.default_rng(seed)
     sigmas = np.array([SIGMA, 5.0, SIGMA, 5.0])[:, None]

@@ -171,7 +171,7 @@ def test_conversions_and_the_extended_filter_agree(left):
 def test_improved_set_on_either_circuit(side):
     """Asked: 4.2 over all legs and 2.9 on the glide path at the lower end of the interval over runs."""
     pattern = fly(9, side)
-    result = judge(pattern, *observe(pattern, 10), DebiasedPolar, improved_set())
+    result = judge(pattern, *observe(pattern, 10), DebiasedPolar, improved_set(0.01, 0.05))
     assert result.gain["all"] >= 4.2
     assert result.gain["glide"] >= 2.9
     turn = result.probabilities[:, 3 if side > 0.0 else 2]  # a left-hand circuit turns left

@@ -13,6 +13,7 @@ from tests.tracking.law_truth import (
     BASE_START,
     BASE_TO_FINAL,
     CROSS_TRACK,
+    DENSITY,
     LINE,
     NOMINAL,
     ONE_LEG,
@@ -55,7 +56,7 @@ def test_never_far_from_the_better_uniform_motion_on_a_line(name):
     uniform = [Kalman(CROSS_TRACK, ConstantVelocityOnLine(q)) for q in (0.3, 3.0)]
     assert ratio(found, best_uniform(uniform, truth, 52)).value <= 1.20
     if name in EXACT:
-        assert ratio(found, errors(SaturatedControl(NOMINAL, LINE, CROSS_TRACK), truth, 52)).value <= 1.10
+        assert ratio(found, errors(SaturatedControl(NOMINAL, LINE, CROSS_TRACK, DENSITY), truth, 52)).value <= 1.10
 
 
 @pytest.mark.parametrize("name", ["exact outside", "exact inside", "offset", "crossing", "manual"])
@@ -65,7 +66,7 @@ def test_never_far_from_the_better_uniform_motion_on_a_leg(name):
     uniform = [Kalman(PLANE, ConstantVelocity(q)) for q in (0.3, 3.0)]
     assert ratio(found, best_uniform(uniform, truth, 54)).value <= 1.20
     if name in EXACT:
-        assert ratio(found, errors(SaturatedControl(NOMINAL, ONE_LEG, PLANE, sub_step=0.5), truth, 54)).value <= 1.10
+        assert ratio(found, errors(SaturatedControl(NOMINAL, ONE_LEG, PLANE, DENSITY, 0.5), truth, 54)).value <= 1.10
 
 
 @pytest.mark.parametrize(("name", "flown"), [("exact outside", 1250), ("z_max 2500 m", 2500), ("z_max 800 m", 800)])
@@ -120,8 +121,10 @@ def test_follows_the_pattern_through_the_turn():
 
 def test_certain_of_one_law_it_is_the_filter_of_that_law():
     """With the other modes ruled out and no switching the merged estimate is the extended Kalman filter's."""
-    tracker = IntentImm(NOMINAL, LINE, CROSS_TRACK, limit_factors=(1.0,), mean_stay=1e30, sub_step=0.5)
-    alone = SaturatedControl(NOMINAL, LINE, CROSS_TRACK, sub_step=0.5, covariance="jacobian")
+    tracker = IntentImm(
+        NOMINAL, LINE, CROSS_TRACK, limit_factors=(1.0,), mean_stay=1e30, law_density=DENSITY, sub_step=0.5
+    )
+    alone = SaturatedControl(NOMINAL, LINE, CROSS_TRACK, DENSITY, 0.5, "jacobian")
     start = Gaussian(np.array([3000.0, 0.0]), np.diag([1e4, 25.0]))
     state = tracker.begin(start)
     state = state._replace(mixture=state.mixture._replace(weights=np.array([1.0, 0.0, 0.0])))

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy.linalg import solve_discrete_are
 
 from tracking.gaussian import Gaussian
 from tracking.measurement import LinearMeasurement
 from tracking.motion import ConstantVelocity, CoordinatedTurn
 from tracking.track import Measurements, track
+from tracking.trackers.gated import Gated
+from tracking.trackers.huber import Huber
 from tracking.trackers.kalman import Kalman
 
 POSITION = LinearMeasurement(((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
@@ -79,3 +82,20 @@ def test_zero_noise_is_the_truth():
     time = 0.7 * np.arange(10)
     result = track(Kalman(POSITION, motion), Measurements(("r.n", "r.e"), time, time, truth[:, [0, 2]], R), PRIOR)
     np.testing.assert_allclose(result.mean[-1], truth[-1], atol=1e-3)  # sigma of the measurement
+
+
+@pytest.mark.parametrize("kind", [Kalman, Gated, Huber])
+def test_without_a_motion_it_is_straight_flight_of_the_given_density(kind):
+    _, measurements = simulated(ConstantVelocity(2.0), np.random.default_rng(35), 10, 3)
+    by_density, by_motion, other = (
+        track(tracker, measurements, PRIOR).mean
+        for tracker in (
+            kind(POSITION, acceleration_density=2.0),
+            kind(POSITION, ConstantVelocity(2.0)),
+            kind(POSITION, acceleration_density=20.0),
+        )
+    )
+    np.testing.assert_array_equal(by_density, by_motion)
+    assert np.abs(by_density - other).max() > 1.0
+    with pytest.raises(ValueError, match="acceleration_density must not be negative"):
+        kind(POSITION, acceleration_density=-1.0)

@@ -11,11 +11,14 @@ from scipy.linalg import expm, solve_discrete_are
 
 from autopilot.modes.radio_beacon import RadioBeacon
 from tests.tracking.law_truth import (
+    BASE_TO_FINAL,
     CROSS_TRACK,
+    DENSITY,
     GRAVITY,
     LINE,
     NOMINAL,
     ONE_LEG,
+    PATTERN_LAW,
     PLANE,
     SIGMA,
     errors,
@@ -26,9 +29,10 @@ from tests.tracking.law_truth import (
 )
 from tracking.gaussian import Gaussian
 from tracking.motion import van_loan
-from tracking.reference_path import Line
+from tracking.reference_path import SPEED_TIME, Line
 from tracking.track import track
 from tracking.trackers.linear_feedback import LinearFeedback
+from tracking.trackers.saturated_control import SaturatedControl
 
 
 def closed_loop_matrix(law):
@@ -65,14 +69,14 @@ def test_prediction_has_the_printed_values():
 @pytest.mark.parametrize(("period", "printed"), [(1.0, 11.54), (4.0, 12.55), (10.0, 12.81)])
 def test_steady_state_is_that_of_the_riccati_equation(period, printed):
     """4 %: the sampling error of 300 runs over 40 half-independent scans is 1 %; a lost factor 2 in Q moves it 8 %."""
-    F, Q = van_loan(closed_loop_matrix(NOMINAL), np.diag([0.0, 0.1]), period)
+    F, Q = van_loan(closed_loop_matrix(NOMINAL), np.diag([0.0, DENSITY]), period)
     H, R = np.array([[1.0, 0.0]]), np.array([[SIGMA**2]])
     P = solve_discrete_are(F.T, H.T, Q, R)
     analytic = math.sqrt((P - P @ H.T @ H @ P / (P[0, 0] + R))[0, 0])
     assert analytic == pytest.approx(printed, abs=0.006)  # rounding of the print
     rng = np.random.default_rng(21)
     truth = line_truth(flown_by(NOMINAL), (0.0, 0.0), 40 * period + 120.0, rng, 300, period=period, dt=0.2)
-    result = errors(LinearFeedback(NOMINAL, LINE, CROSS_TRACK), truth, 22, period=period)
+    result = errors(LinearFeedback(NOMINAL, LINE, CROSS_TRACK, DENSITY), truth, 22, period=period)
     assert result.rmse(slice(-40, None)) == pytest.approx(analytic, rel=0.04)
     assert result.cov[-1, 0, 0, 0] == pytest.approx(analytic**2, rel=1e-3)
 
@@ -111,3 +115,23 @@ def test_one_leg_of_a_route_is_the_line():
     scale = np.sqrt(np.einsum("kii->ki", alone.cov[..., 0]))
     difference = (routed.cov[:, 2:, 2:, 0] - alone.cov[..., 0]) / (scale[:, :, None] * scale[:, None])
     np.testing.assert_allclose(difference, 0.0, atol=1e-2)
+
+
+def test_on_a_route_it_is_told_what_saturated_control_is():
+    """Else their comparison would be one of what they are told."""
+    route = replace(BASE_TO_FINAL, time_to_roll=3.0, wind=(4.0, -7.0), chart=((1, 8000.0, 58.0),))
+    linear, saturated = (kind(PATTERN_LAW, route, PLANE) for kind in (LinearFeedback, SaturatedControl))
+    assert linear.path == saturated.path
+
+
+@pytest.mark.parametrize(("chart", "kept"), [(None, 1.0), ((), math.exp(-30.0 / SPEED_TIME))])
+def test_the_speed_along_a_leg_comes_to_the_charted_one(chart, kept):
+    """Over the ground, on a leg that is held: 100 m/s through the air, of which 6 m/s go against the wind across."""
+    route = replace(ONE_LEG, wind=(8.0, -6.0), chart=chart)
+    tracker = LinearFeedback(NOMINAL, route, PLANE, acceleration_density=0.0)
+    begun = tracker.begin(Gaussian(np.array([[0.0], [60.0], [0.0], [0.0]]), np.diag([1.0, 4.0, 1.0, 1.0])[..., None]))
+    state, _ = tracker.step(begun, 30.0, None, None)
+    found = tracker.estimate(state)
+    held = math.sqrt(route.legs[0].speed ** 2 - 6.0**2) + 8.0
+    assert found.mean[1, 0] == pytest.approx(held + (60.0 - held) * kept, rel=1e-9)
+    assert found.cov[1, 1, 0] == pytest.approx(4.0 * kept**2, rel=1e-9)

@@ -12,6 +12,7 @@ from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
 from autopilot.modes.radio_beacon import RadioBeacon
 from tests.tracking.law_truth import (
     CROSS_TRACK,
+    DENSITY,
     GRAVITY,
     LINE,
     NOMINAL,
@@ -185,7 +186,7 @@ def test_consistency_inside_the_limits(inside):
 
     120 runs of 45 scans, a third of them independent: sampling error 0.025.
     """
-    jacobian = SaturatedControl(NOMINAL, LINE, CROSS_TRACK, covariance="jacobian")
+    jacobian = SaturatedControl(NOMINAL, LINE, CROSS_TRACK, DENSITY, covariance="jacobian")
     ours, exact, folded = (errors(t, inside, 6) for t in (saturated(), jacobian, linear()))
     assert ours.position_nse()[30:].mean() == pytest.approx(0.53, abs=0.05)
     assert ours.nees()[30:].mean() == pytest.approx(0.94, abs=0.06)

@@ -14,6 +14,7 @@ from tests.tracking.law_truth import (
     BASE_START,
     BASE_TO_FINAL,
     CROSS_TRACK,
+    DENSITY,
     LINE,
     NOMINAL,
     ONE_LEG,
@@ -42,7 +43,7 @@ SECONDS = 224.0  # base leg, turn and the final well established
 
 
 def saturated(covariance="paper", route=BASE_TO_FINAL, law=PATTERN_LAW):
-    return SaturatedControl(law, route, PLANE, sub_step=0.5, covariance=covariance)
+    return SaturatedControl(law, route, PLANE, DENSITY, 0.5, covariance)
 
 
 def by_phase(tracker, flown, seed):
@@ -125,7 +126,7 @@ def test_one_leg_is_the_line_of_the_paper():
     start, seen = prior(truth, rng), record(truth, rng)
     across = replace(seen, channels=seen.channels[1:], z=seen.z[:, 1:], R=seen.R[:, 1:, 1:])
     begun = Gaussian(start.mean[2:], start.cov[2:, 2:])
-    by_line = track(SaturatedControl(NOMINAL, LINE, CROSS_TRACK), across, begun, start=0.0).mean[1:, 0]
+    by_line = track(SaturatedControl(NOMINAL, LINE, CROSS_TRACK, DENSITY), across, begun, start=0.0).mean[1:, 0]
     by_leg = track(saturated(route=ONE_LEG, law=NOMINAL), seen, start, start=0.0).mean[1:, 2]
     squares = [((found - truth[1:, 2]) ** 2).mean() for found in (by_leg, by_line)]
     assert math.sqrt(squares[0] / squares[1]) == pytest.approx(1.0, abs=0.01)
@@ -148,7 +149,7 @@ def test_through_the_turn(pattern):
 def test_course_kinematics_are_what_the_turn_needs(pattern):
     """A law that belongs to one line is void at a course error of 90 deg, and straight flight never turns."""
     found = by_phase(saturated(), pattern, 44)["turn"]
-    on_lines = LinearFeedback(PATTERN_LAW, BASE_TO_FINAL, PLANE, sub_step=0.5)
+    on_lines = LinearFeedback(PATTERN_LAW, BASE_TO_FINAL, PLANE, DENSITY, 0.5)
     assert by_phase(on_lines, pattern, 44)["turn"] > 1.5 * found
     assert min(by_phase(Kalman(PLANE, ConstantVelocity(q)), pattern, 44)["turn"] for q in (0.3, 1.0, 3.0)) > 1.5 * found
 

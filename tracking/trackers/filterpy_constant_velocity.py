@@ -16,7 +16,7 @@ class FilterpyConstantVelocity:
     """Matrices by filterpy, designed anew for each period; arithmetic by this package."""
 
     measurement: Annotated[MeasurementModel, "given"]
-    acceleration_density: Annotated[float, "m2/s3"] = 0.3
+    acceleration_density: Annotated[float, "m2/s3"] = 10.0  # docs/densities.md
     channels = CARTESIAN
 
     def __post_init__(self) -> None:
@@ -28,7 +28,7 @@ class FilterpyConstantVelocity:
 
     def step(self, state: Gaussian, dt: float, z: Any | None, R: Any | None) -> tuple[Gaussian, Innovation | None]:
         if dt > 0.0:
-            state = predict(state, *constant_velocity(dt, self.acceleration_density).motion.transition(dt, state.mean))
+            state = predict(state, *constant_velocity(dt, self.acceleration_density).transition(dt, state.mean))
         if z is None:
             return state, None
         return update(state, *self.measurement.linearise(z, R, state.mean))

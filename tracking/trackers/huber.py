@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, lift, update
 from tracking.measurement import Linear, MeasurementModel
-from tracking.motion import ConstantVelocity, Motion
-from tracking.trackers.kalman import filtered
+from tracking.motion import Motion
+from tracking.trackers.kalman import filtered, motion_of
 
-STRAIGHT = ConstantVelocity()
 TURNS = 20  # of the search for the far channels; two or three are usual
 
 
@@ -24,25 +24,30 @@ class Huber:
     ``tuning / sigma``, which displaces the prediction, and says nothing more: which channels are far is found by
     Newton's method on the piecewise quadratic loss. The covariance is the inverse of its curvature, to which far
     channels add nothing. Where channels are correlated, sigma is that of each and the near ones keep their correlation.
+    The motion is that of `tracking.trackers.kalman`.
     """
 
     measurement: Annotated[MeasurementModel, "given"]
-    motion: Annotated[Motion, "given"] = STRAIGHT
+    motion: Annotated[Motion | None, "given"] = None
     tuning: float = 1.345  # standard deviations; 95 % efficient on Gaussian noise
+    acceleration_density: Annotated[float, "m2/s3"] = 0.3
 
     def __post_init__(self) -> None:
+        _ = self._motion  # a bad parameter is told when it is given
         if not self.tuning > 0.0:
             raise ValueError("tuning must be positive")
 
+    _motion = cached_property(motion_of)
+
     @property
     def channels(self) -> tuple[str, ...]:
-        return self.motion.channels
+        return self._motion.channels
 
     def begin(self, prior: Gaussian) -> Gaussian:
         return prior
 
     def step(self, state: Gaussian, dt: float, z: Any | None, R: Any | None) -> tuple[Gaussian, Innovation | None]:
-        return filtered(self.motion, self.measurement, self._robust, state, dt, z, R)
+        return filtered(self._motion, self.measurement, self._robust, state, dt, z, R)
 
     def estimate(self, state: Gaussian) -> Gaussian:
         return state

@@ -21,6 +21,8 @@ from tracking.motion import (
     Transition,
 )
 
+STRAIGHT_DENSITY, MANOEUVRE_DENSITY = 0.3, 1.0  # m2/s3, of the improved set: the choice of docs/densities.md
+
 
 class ModelSet(NamedTuple):
     """Motion models, how they switch (rows "from", columns "to") and how likely each is at the start.
@@ -56,8 +58,8 @@ def published_set(acceleration_density: float = 0.01, slow: float = -0.001, fast
 
 
 def improved_set(
-    straight_density: float = 0.01,
-    manoeuvre_density: float = 0.05,
+    straight_density: float = STRAIGHT_DENSITY,
+    manoeuvre_density: float = MANOEUVRE_DENSITY,
     acceleration: float = -0.5,
     bank: float = math.radians(15.0),
 ) -> ModelSet:
@@ -89,16 +91,18 @@ def improved_set(
 class InteractingMultipleModel:
     """Interact, predict, update, reweigh, merge [Volovyk 2022, table 1].
 
-    The file parameters are those of the improved set; another set is given as `model_set`. The measurement is
-    linearised at the merged prediction, once for all models.
+    The file parameters are those of the improved set; another set is given as `model_set`. Its turns are flown at
+    ``bank``, or where that is None at the autopilot's ``bank_limit``. The measurement is linearised at the merged
+    prediction, once for all models.
     """
 
     measurement: Annotated[MeasurementModel, "given"]
     model_set: Annotated[ModelSet | None, "given"] = None
-    straight_density: Annotated[float, "m2/s3"] = 0.01
-    manoeuvre_density: Annotated[float, "m2/s3"] = 0.05
+    bank_limit: Annotated[float, "given"] = math.radians(15.0)
+    straight_density: Annotated[float, "m2/s3"] = STRAIGHT_DENSITY
+    manoeuvre_density: Annotated[float, "m2/s3"] = MANOEUVRE_DENSITY
     acceleration: Annotated[float, "m/s2"] = -0.5
-    bank: Annotated[float, "rad"] = math.radians(15.0)
+    bank: Annotated[float | None, "rad"] = None
 
     def __post_init__(self) -> None:
         _check(self._set)
@@ -107,7 +111,8 @@ class InteractingMultipleModel:
     def _set(self) -> ModelSet:
         if self.model_set is not None:
             return self.model_set
-        return improved_set(self.straight_density, self.manoeuvre_density, self.acceleration, self.bank)
+        bank = self.bank_limit if self.bank is None else self.bank
+        return improved_set(self.straight_density, self.manoeuvre_density, self.acceleration, bank)
 
     @property
     def channels(self) -> tuple[str, ...]:

@@ -19,7 +19,6 @@ from tracking.reference_path import (
     reference_path,
     sub_steps,
     uniform,
-    without_roll,
 )
 from tracking.trackers import saturated_control
 
@@ -82,7 +81,7 @@ class IntentImm:
     alternative_laws: Annotated[tuple[Any, ...], "given"] = ()  # that the autopilot has too
     limit_factors: tuple[float, ...] = (0.4, 0.64, 1.0, 1.6, 2.4)
     mean_stay: Annotated[float, "s"] = 120.0
-    law_density: Annotated[float, "m2/s3"] = 0.1
+    law_density: Annotated[float, "m2/s3"] = 0.3  # docs/densities.md
     straight_density: Annotated[float, "m2/s3"] = 0.05
     manoeuvre_density: Annotated[float, "m2/s3"] = 3.0
     sub_step: Annotated[float, "s"] = SUB_STEP
@@ -101,7 +100,7 @@ class IntentImm:
 
     @cached_property
     def _path(self) -> ReferencePath:
-        return reference_path(without_roll(self.route), self.law)
+        return reference_path(self.route, self.law)
 
     @property
     def _intents(self) -> tuple[str, ...]:

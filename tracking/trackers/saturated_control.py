@@ -19,14 +19,13 @@ from tracking.reference_path import (
     check_tuning,
     corrected,
     estimate_on_path,
-    reference_path,
+    path_of,
     steering,
     sub_steps,
     uniform,
-    without_roll,
 )
 
-COVARIANCES = ("paper", "jacobian")
+DENSITIES = {"paper": 0.03, "jacobian": 0.3}  # m2/s3, by the covariance: the choices of docs/densities.md
 
 
 @dataclass(frozen=True)
@@ -55,19 +54,19 @@ class SaturatedControl:
     law: Annotated[Law, "given"]
     route: Annotated[Any, "given"]  # a Line, or a route
     measurement: Annotated[MeasurementModel, "given"]
-    acceleration_density: Annotated[float, "m2/s3"] = 0.1
+    acceleration_density: Annotated[float | None, "m2/s3"] = None  # that of DENSITIES
     sub_step: Annotated[float, "s"] = SUB_STEP
     covariance: Literal["paper", "jacobian"] = "paper"
 
     def __post_init__(self) -> None:
-        if self.covariance not in COVARIANCES:
+        if self.covariance not in DENSITIES:
             raise ValueError(f"covariance is 'paper' or 'jacobian', not '{self.covariance}'")
-        check_tuning(self.acceleration_density, self.sub_step)
+        check_tuning(self.density, self.sub_step)
 
-    @cached_property
-    def path(self) -> ReferencePath:
-        """Its turns begin where the aircraft has rolled."""
-        return reference_path(without_roll(self.route), self.law)
+    @property
+    def density(self) -> float:
+        """m2/s3, of the acceleration: the given one, or the best for the covariance."""
+        return DENSITIES[self.covariance] if self.acceleration_density is None else self.acceleration_density
 
     def _driven(self, state: PathState, dt: float) -> PathState:
         mean, place = state.gaussian.mean, state.place
@@ -77,16 +76,16 @@ class SaturatedControl:
             mean = self.path.steered(place, mean, bank, step)
             place = self.path.advance(place, mean, step)
         # uniform motion with isotropic noise looks the same from every leg: one covariance for all runs
-        moved = predict(state.gaussian, *uniform(self.path.axes, dt, self.acceleration_density))
+        moved = predict(state.gaussian, *uniform(self.path.axes, dt, self.density))
         return PathState(moved._replace(mean=mean), place)
 
-    channels = cached_property(channels_on_path)
+    path, channels = cached_property(path_of), cached_property(channels_on_path)
     begin, estimate = begin_on_path, estimate_on_path
 
     def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
         if dt > 0.0:
             slope = self.covariance == "jacobian"
-            state = ahead_in_sub_steps(with_slope, self, state, dt) if slope else self._driven(state, dt)
+            state = ahead_in_sub_steps(with_slope, self, state, dt, self.density) if slope else self._driven(state, dt)
         return corrected(self, state, z, R)
 
 

@@ -13,7 +13,7 @@ from aircraft.state import AircraftState
 from sim.errors import ScenarioError
 from sim.estimation import prior as components
 from sim.estimation.navigator import navigator
-from sim.estimation.setup import build, check
+from sim.estimation.setup import build, check, told
 from sim.estimation.tracking_run import begins, track
 from sim.experiment import fly
 from sim.flight.interpolation import truth_at
@@ -21,6 +21,7 @@ from sim.flight.preparation import prepare
 from sim.metrics import comparison
 from sim.observation.record import measurements, observe
 from sim.scenario.reading import read
+from tracking.gaussian import Gaussian
 from tracking.track import follow
 from tracking.tree import narrowed
 
@@ -113,6 +114,18 @@ def test_a_told_law_changes_the_estimate_and_its_origin_is_named(tracked):
     assert figures["wrong"]["law_from"] == "told wrong"
     assert figures["kalman"]["law_from"] is None
     assert not np.allclose(tracks["saturated"].track.mean, tracks["wrong"].track.mean)
+
+
+@pytest.mark.parametrize(("table", "deg"), [({}, 20.0), ({"bank_deg": 12}, 12.0)])
+def test_the_turns_of_the_imm_are_flown_at_the_bank_limit_unless_set(table, deg):
+    prepared = scenario({"imm": {"kind": "imm", "sensors": RADARS, **table}}, autopilot={"bank_limit_deg": 20})
+    tracker, _ = build(prepared, "imm", prepared.scenario.trackers["imm"])
+    turning = np.array([[0.0], [80.0], [0.0], [0.0]])
+    turned = tracker.step(tracker.begin(Gaussian(turning, np.eye(4))), 1.0, None, None)[0]
+    right = tracker.modes.index("right turn")
+    course = np.arctan2(turned.mean[3, right], turned.mean[1, right])[0]
+    assert course == pytest.approx(9.80665 * np.tan(np.radians(deg)) / 80.0, rel=1e-6)
+    assert told(prepared, type(tracker)) == "bank limit 20 deg"
 
 
 def test_perfect_estimates_have_no_error_in_any_channel(flown):

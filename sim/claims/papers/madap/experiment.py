@@ -60,9 +60,9 @@ TOLD = Route(
     )
 )  # the first straight of all sixteen
 TRACKERS: dict[str, Any] = {
-    "imm": InteractingMultipleModel(PLANE),
+    "imm": InteractingMultipleModel(PLANE, straight_density=0.01, manoeuvre_density=0.05),
     "constant_velocity": Kalman(PLANE, ConstantVelocity(10.0)),
-    "intent_imm": IntentImm(NOMINAL, TOLD, PLANE),
+    "intent_imm": IntentImm(NOMINAL, TOLD, PLANE, law_density=0.1, straight_density=0.05, manoeuvre_density=3.0),
 }
 STEP = 0.5  # s, of the truth's record; every scan is a multiple
 MOST = 100  # runs of the sixteen flights: each is some five hundred scans of each of them
