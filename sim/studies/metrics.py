@@ -39,7 +39,7 @@ def describe(axis: Axis) -> dict[str, Any]:
     """An axis as in metrics.json."""
     if isinstance(axis, Listed):
         return {"values": list(axis.values)}
-    return {axis.distribution: [axis.first, axis.second]}
+    return {axis.distribution: [*axis.numbers]}
 
 
 def row(axes: Sequence[Axis], records: Sequence[dict[str, Any]]) -> dict[str, Any]:
