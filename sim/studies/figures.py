@@ -45,7 +45,7 @@ def study_charts(
     """One chart for each shown figure, and one of outcomes where they differ over a map."""
     listed = [address for address, axis in metrics["axes"].items() if "values" in axis]
     if not listed:
-        return [_exceedance(distribution(name, records, scenario.checks)) for name in shown]
+        return _exceedances([distribution(name, records, scenario.checks) for name in shown])
     if len(listed) == 1:
         return [_curves(name, listed[0], None, metrics) for name in shown]
     fewest = min(len(metrics["axes"][address]["values"]) for address in listed[:2])
@@ -231,6 +231,16 @@ def _curves(name: str, x: str, lines: str | None, metrics: dict[str, Any]) -> Ch
     return Chart(label(name), style.data_uri(figure), "Line: median of the flights; band: 5 % to 95 % of them.")
 
 
+def _exceedances(found: Sequence[Distribution]) -> list[Chart]:
+    """A chart of each figure that is more than a yes or no; the first says how they are read."""
+    charts = [_exceedance(one) for one in found if one.distinct > 2]
+    how = (
+        "Share of the flights beyond a value, from the median outwards, on a logarithmic scale; bands: 95 % at each "
+        "value by itself. Dashed: limits of the checks, with a diamond at the share that may be beyond. "
+    )
+    return [charts[0]._replace(caption=how + charts[0].caption), *charts[1:]] if charts else []
+
+
 def _exceedance(found: Distribution) -> Chart:
     """Both tails of a figure on a logarithmic scale; of a figure with limits only the tails that are limited.
 
@@ -252,16 +262,12 @@ def _exceedance(found: Distribution) -> Chart:
                 axes.plot([limit.value], [limit.probability], "D", color=style.VERMILION, markersize=4, clip_on=False)
     axes.set_yscale("log")
     axes.set_ylim(0.3 / max(found.flights, 1), 1.0)
+    axes.yaxis.set_major_formatter(lambda share, _: f"{100 * share:g} %")
     axes.set_xlabel(label(found.name))
-    axes.set_ylabel("probability of a flight")
+    axes.set_ylabel("share of flights")
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
-    lacking = f" {found.without} flights without the figure count as beyond every value." if found.without else ""
-    return Chart(
-        label(found.name),
-        style.data_uri(figure),
-        f"Share of {found.flights} flights beyond a value, from the median outwards; bands: 95 % at each value by "
-        f"itself. Dashed: limits of the checks, with a diamond at the probability that they allow.{lacking}",
-    )
+    lacking = f"{found.without} flights without the figure count as beyond every value." if found.without else ""
+    return Chart(label(found.name), style.data_uri(figure), lacking)
 
 
 def _limits(axes: Any, name: str, checks: Sequence[dict[str, Any]]) -> None:

@@ -39,6 +39,7 @@ class Distribution(NamedTuple):
     name: str
     flights: int
     without: int  # of them, that have not the figure
+    distinct: int  # values of the others
     below: Tail
     above: Tail
     limits_below: tuple[Limit, ...]  # a flight should not be below
@@ -118,6 +119,7 @@ def distribution(name: str, records: Sequence[dict[str, Any]], checks: Sequence[
         name,
         len(records),
         without,
+        len(np.unique(values)),
         _tail(-values[::-1], without, [-limit.value for limit in below], -1.0),
         _tail(values, without, [limit.value for limit in above], 1.0),
         below,
