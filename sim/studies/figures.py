@@ -1,4 +1,4 @@
-"""Figures of a study: maps over two chosen axes, curves over one, distributions where everything is drawn."""
+"""Figures of a study: maps over two chosen axes, curves over one, exceedances where everything is drawn."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.metrics import table
+from sim.metrics.ensemble.exceedance import Distribution, distribution
 from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart
 from sim.reporting.text.labels import named, split, words
@@ -44,7 +45,7 @@ def study_charts(
     """One chart for each shown figure, and one of outcomes where they differ over a map."""
     listed = [address for address, axis in metrics["axes"].items() if "values" in axis]
     if not listed:
-        return [_distribution(name, records, metrics["checks"]) for name in shown]
+        return _exceedances([distribution(name, records, scenario.checks) for name in shown])
     if len(listed) == 1:
         return [_curves(name, listed[0], None, metrics) for name in shown]
     fewest = min(len(metrics["axes"][address]["values"]) for address in listed[:2])
@@ -230,20 +231,46 @@ def _curves(name: str, x: str, lines: str | None, metrics: dict[str, Any]) -> Ch
     return Chart(label(name), style.data_uri(figure), "Line: median of the flights; band: 5 % to 95 % of them.")
 
 
-def _distribution(name: str, records: Sequence[dict[str, Any]], checks: Sequence[dict[str, Any]]) -> Chart:
-    from sim.metrics.ensemble.spread import scalars
-
-    values = np.sort([v for record in records for key, v in scalars(record["metrics"]) if key == name])
-    figure, (axes,) = style.panels(2.6)
-    axes.step(values, np.arange(1, len(values) + 1) / len(records), where="post", color=style.BLUE)
-    _limits(axes, name, checks, vertical=True)
-    axes.set_ylim(0, 1.02)
-    axes.set_xlabel(label(name))
-    axes.set_ylabel("share of flights at or below")
-    return Chart(label(name), style.data_uri(figure), f"{len(values)} of {len(records)} flights have this figure.")
+def _exceedances(found: Sequence[Distribution]) -> list[Chart]:
+    """A chart of each figure that is more than a yes or no; the first says how they are read."""
+    charts = [_exceedance(one) for one in found if one.distinct > 2]
+    how = (
+        "Share of the flights beyond a value, from the median outwards, on a logarithmic scale; bands: 95 % at each "
+        "value by itself. Dashed: limits of the checks, with a diamond at the share that may be beyond. "
+    )
+    return [charts[0]._replace(caption=how + charts[0].caption), *charts[1:]] if charts else []
 
 
-def _limits(axes: Any, name: str, checks: Sequence[dict[str, Any]], vertical: bool = False) -> None:
+def _exceedance(found: Distribution) -> Chart:
+    """Both tails of a figure on a logarithmic scale; of a figure with limits only the tails that are limited.
+
+    The values of a tail run outwards, and so do its steps.
+    """
+    figure, (axes,) = style.panels(2.2, top=0.3)
+    limited = found.limits_below or found.limits_above
+    for tail, limits, colour, text in (
+        (found.below, found.limits_below, style.SKY, "below the value"),
+        (found.above, found.limits_above, style.BLUE, "above the value"),
+    ):
+        if limited and not limits:
+            continue
+        axes.step(tail.value, np.where(tail.share > 0, tail.share, np.nan), where="post", color=colour, label=text)
+        axes.fill_between(tail.value, tail.low, tail.high, step="post", color=colour, alpha=0.2, linewidth=0)
+        for limit in limits:
+            axes.axvline(limit.value, color=style.VERMILION, linestyle="--", lw=0.8)
+            if limit.probability is not None:
+                axes.plot([limit.value], [limit.probability], "D", color=style.VERMILION, markersize=4, clip_on=False)
+    axes.set_yscale("log")
+    axes.set_ylim(0.3 / max(found.flights, 1), 1.0)
+    axes.yaxis.set_major_formatter(lambda share, _: f"{100 * share:g} %")
+    axes.set_xlabel(label(found.name))
+    axes.set_ylabel("share of flights")
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+    lacking = f"{found.without} flights without the figure count as beyond every value." if found.without else ""
+    return Chart(label(found.name), style.data_uri(figure), lacking)
+
+
+def _limits(axes: Any, name: str, checks: Sequence[dict[str, Any]]) -> None:
     for check in checks:
         if check["metric"] == name:
-            (axes.axvline if vertical else axes.axhline)(check["limit"], color=style.VERMILION, linestyle="--", lw=0.8)
+            axes.axhline(check["limit"], color=style.VERMILION, linestyle="--", lw=0.8)

@@ -5,35 +5,43 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from sim.metrics.ensemble.exceedance import answer, percent
+from sim.metrics.ensemble.verdict import worst_first
 from sim.reporting.figures import style
 from sim.reporting.page import rendered
-from sim.reporting.text.broken_checks import broken_checks, run_again
+from sim.reporting.text.broken_checks import Again, broken_checks
 from sim.reporting.text.labels import ABSENT, words
-from sim.reporting.text.rows import kept_by
+from sim.reporting.text.rows import every_flight, flights_of, kept_by
 from sim.scenario.toml_writer import dumps
 from sim.studies.figures import figure_of, study_charts
-from sim.studies.folder import SCENARIO
+from sim.studies.metrics import named
 from sim.studies.theory import predicted_figures
 from sim.versions import rows
 
 MOST_ROWS = 500  # of the table on the page; metrics.json has them all
+WORST = 20  # flights that are listed
 
 
-def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any]]) -> str:
-    """The text of report.html, from metrics.json and the sorted log."""
+def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any]], again: Again) -> str:
+    """The text of report.html, from metrics.json and the sorted log; ``again`` is how a flight is flown again."""
     shown = shown_metrics(scenario, metrics)
     with style.drawing():
         charts = study_charts(scenario, metrics, records, shown)
     predicted = predicted_figures(scenario, metrics["rows"][:MOST_ROWS])
     ended = ", ".join(f"{count} {words(name)}" for name, count in sorted(metrics["outcomes"].items()))
+    told = f"{flights_of(metrics)}: {ended}"
     return rendered(
         "study.html",
         name=scenario.name,
-        sentence=f"{metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}.",
+        sentence=f"{answer(metrics) if 'exceedances' in metrics else told}.",
+        ended=f"{told}." if "exceedances" in metrics else "",
         good=all(check["passed"] is not False for check in metrics["checks"]) and "crashed" not in metrics["outcomes"],
-        failed=broken_checks(metrics, run_again(SCENARIO)),
+        failed=broken_checks(metrics, again),
         charts=charts,
         checks=[_check(check) for check in metrics["checks"]],
+        exceedances=[_exceedance(one) for one in metrics.get("exceedances", ())],
+        worst=_worst(scenario, metrics, records, again),
+        heads_worst=[*metrics["axes"]],
         axes=[_axis(address, axis) for address, axis in metrics["axes"].items()],
         heads=[*metrics["axes"], "flights", "outcomes", *shown, *(f"{name} by theory" for name in predicted)],
         rows=[
@@ -60,8 +68,30 @@ def shown_metrics(scenario: Any, metrics: dict[str, Any]) -> list[str]:
 
 def _axis(address: str, axis: dict[str, Any]) -> tuple[str, str]:
     (kind, values), *_ = axis.items()
-    text = ", ".join(_value(value) for value in values)
+    text = ", ".join(_pair(*value) if kind == "quantiles" else _value(value) for value in values)
     return address, text if kind == "values" else f"{words(kind)} {text}"
+
+
+def _worst(
+    scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any]], again: Again
+) -> list[dict[str, Any]]:
+    """The worst flights: how each ended, what is varied in it, and the command that flies it again."""
+    worst = [named(record, scenario.study.varied, again) for record in worst_first(records)[:WORST]]
+    rows = every_flight(worst, [one["name"] for one in metrics["checks"]])
+    return [
+        {**row, "values": [_value(record["values"][address]) for address in metrics["axes"]], "again": record["again"]}
+        for row, record in zip(rows, worst, strict=True)
+    ]
+
+
+def _pair(share: float, value: float) -> str:
+    return f"{100 * share:g} % up to {_value(value)}"
+
+
+def _exceedance(one: dict[str, Any]) -> dict[str, Any]:
+    between = f"{percent(one['low'])} to {percent(one['high'])} %"
+    below = f"below {percent(one['below'])} % with {100 * one['confidence']:g} % confidence"
+    return {**one, "probability": f"{percent(one['probability'])} %", "between": between, "below": below}
 
 
 def _value(value: Any) -> str:

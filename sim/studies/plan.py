@@ -82,7 +82,7 @@ def _faults(
         return [much], ()
     faults, parts = [], {*scenario.parts}
     for one in axes:
-        for value in one.values if isinstance(one, Listed) else (one.first,):
+        for value in one.values if isinstance(one, Listed) else (one.typical,):
             try:
                 tables = with_values(_flown_tables(scenario), {one.address: value})
                 parts |= {*read(tables, plugins=catalogue).parts}

@@ -21,7 +21,7 @@ from sim.scenario.toml_writer import dumps
 from sim.studies import flight_cache
 from sim.studies import folder as folders
 from sim.studies.job import Job, fly, lost
-from sim.studies.metrics import study_metrics
+from sim.studies.metrics import named, study_metrics
 from sim.studies.plan import Study, designed_cells, plan, read_text
 from sim.versions import versions
 from sim.workers.executors import Executor, Lost
@@ -134,7 +134,8 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
     """Sort the log and write what all flights show; every file is whole or the old one."""
     from sim.studies.page import page
 
-    lines = [folders.line(records[key]) for key in sorted(records)]
+    again = folders.run_again_there(planned.parts)
+    lines = [folders.line(named(records[key], planned.axes, again)) for key in sorted(records)]
     ordered = [json.loads(line) for line in lines]  # as a resumed study reads them
     scenario = planned.scenario
     metrics = {
@@ -143,12 +144,12 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
         "flights": len(ordered),
         "samples": planned.table.samples,
         "versions": versions(digests(planned.parts)),
-        **study_metrics(planned.axes, ordered, scenario.checks, scenario.contrasts),
+        **study_metrics(planned.axes, ordered, scenario.checks, again, scenario.contrasts),
     }
     try:
         replace(folder / folders.LOG, "".join(lines))
         replace_json(folder / "metrics.json", metrics)
-        replace(folder / "report.html", page(scenario, metrics, ordered))
+        replace(folder / "report.html", page(scenario, metrics, ordered, again))
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written: {error.strerror}; finished flights are kept") from None
     return metrics
