@@ -402,7 +402,7 @@ class StudyTable:
     axes: dict[str, Any] | None = None  # absent = nothing is varied: every sample is one more flight
     samples: int = 1
     show: tuple[str, ...] = ()  # metrics that the report draws; absent = those of the checks, or the usual ones
-    theory: Literal["orbit", "energy", "gain"] | None = None  # the border that maps draw
+    theory: Literal["orbit", "energy", "gain", "limits"] | None = None  # the border that maps draw
 
     def __post_init__(self) -> None:
         if self.axes is not None and not self.axes:

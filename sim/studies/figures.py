@@ -189,7 +189,7 @@ def _sections(scenario: Any, metrics: dict[str, Any], x: str, y: str, shown: Seq
     values = metrics["axes"][y]["values"]
     chosen = [values[i] for i in np.unique(np.linspace(0, len(values) - 1, SECTIONS).round().astype(int))]
     fine = np.linspace(across.at.min(), across.at.max(), FINE)
-    predicted = {value: [theory.figures(scenario, float(at), value) for at in fine] for value in chosen}
+    predicted = {value: [theory.figures(scenario, {x: float(at), y: value}) for at in fine] for value in chosen}
     charts = []
     for name in (name for name in shown if name in predicted[chosen[0]][0]):
         figure, (axes,) = style.panels(2.8, top=0.5)

@@ -91,10 +91,8 @@ def _faults(
                 break
     if table.theory is not None:
         theory, chosen = THEORIES[table.theory], [one.address for one in axes if isinstance(one, Listed)]
-        if chosen[:2] != [theory.x, theory.y]:
-            faults.append(
-                f'[study] theory "{table.theory}" is about the axes "{theory.x}" and "{theory.y}", in this order'
-            )
+        if unfit := theory.unfit(chosen):
+            faults.append(f'[study] theory "{table.theory}" {unfit}')
         if theory.needs(scenario):
             faults.append(f'[study] theory "{table.theory}" needs {theory.needs(scenario)}')
     return faults, tuple(sorted(parts))
