@@ -14,27 +14,34 @@ from sim.reporting.text.labels import ABSENT, words
 from sim.reporting.text.rows import every_flight, flights_of, kept_by
 from sim.scenario.toml_writer import dumps
 from sim.studies.figures import figure_of, study_charts
+from sim.studies.limits.answer import answer as contrasted
+from sim.studies.limits.answer import question as asked
+from sim.studies.limits.drawing import ratio_chart
+from sim.studies.limits.maps import ratio_maps
 from sim.studies.metrics import named
-from sim.studies.theory import predicted_figures
 from sim.versions import rows
 
 MOST_ROWS = 500  # of the table on the page; metrics.json has them all
 WORST = 20  # flights that are listed
+USUAL = ("overshoot_m", "settling_s", "time_saturated_s", "bank_max_deg")
 
 
 def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any]], again: Again) -> str:
     """The text of report.html, from metrics.json and the sorted log; ``again`` is how a flight is flown again."""
     shown = shown_metrics(scenario, metrics)
+    maps = ratio_maps(scenario, metrics)
     with style.drawing():
-        charts = study_charts(scenario, metrics, records, shown)
-    predicted = predicted_figures(scenario, metrics["rows"][:MOST_ROWS])
+        charts = [*map(ratio_chart, maps), *study_charts(scenario, metrics, records, shown)]
+    predicted = metrics.get("predicted", {})
     ended = ", ".join(f"{count} {words(name)}" for name, count in sorted(metrics["outcomes"].items()))
     told = f"{flights_of(metrics)}: {ended}"
+    answered = contrasted(maps[0]) if maps else f"{answer(metrics)}." if "exceedances" in metrics else ""
     return rendered(
         "study.html",
         name=scenario.name,
-        sentence=f"{answer(metrics) if 'exceedances' in metrics else told}.",
-        ended=f"{told}." if "exceedances" in metrics else "",
+        question=asked(maps[0]) if maps else "",
+        sentence=answered or f"{told}.",
+        ended=f"{told}." if answered else "",
         good=all(check["passed"] is not False for check in metrics["checks"]) and "crashed" not in metrics["outcomes"],
         failed=broken_checks(metrics, again),
         charts=charts,
@@ -56,14 +63,25 @@ def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any
 
 
 def shown_metrics(scenario: Any, metrics: dict[str, Any]) -> list[str]:
-    """The figures that the study asks for, else those of its checks, else the usual ones; only what was flown."""
-    usual = ("overshoot_m", "settling_s", "time_saturated_s", "bank_max_deg")
+    """The figures that the study asks for, else those of its checks or the usual ones, and how far its trackers err.
+
+    Only what was flown.
+    """
     flown = {name for row in metrics["rows"] for name in row}
-    for asked in (scenario.study.show, [check["metric"] for check in metrics["checks"]], usual):
-        shown = [name for name in dict.fromkeys(asked) if all(part in flown for part in name.split(" / "))]
-        if asked and shown:
-            return shown
-    return []
+
+    def known(names: Sequence[str]) -> list[str]:
+        return [name for name in dict.fromkeys(names) if all(part in flown for part in name.split(" / "))]
+
+    trackers = [name for tracker in scenario.trackers for name in _errors(tracker, metrics["rows"])]
+    judged = known([check["metric"] for check in metrics["checks"]])
+    return known(scenario.study.show) or [*dict.fromkeys([*(judged or known(USUAL)), *trackers])]
+
+
+def _errors(tracker: str, rows: Sequence[dict[str, Any]]) -> list[str]:
+    """The RMSE of a tracker in the position, or in the first channel that it has; none where it never tracked."""
+    start, end = f"trackers.{tracker}.overall.", ".rmse"
+    names = dict.fromkeys(name for row in rows for name in row if name.startswith(start) and name.endswith(end))
+    return [*([name] if (name := f"{start}position_m{end}") in names else names)][:1]
 
 
 def _axis(address: str, axis: dict[str, Any]) -> tuple[str, str]:

@@ -23,6 +23,7 @@ from sim.studies import folder as folders
 from sim.studies.job import Job, fly, lost
 from sim.studies.metrics import named, study_metrics
 from sim.studies.plan import Study, designed_cells, plan, read_text
+from sim.studies.theory import predicted_figures
 from sim.versions import versions
 from sim.workers.executors import Executor, Lost
 
@@ -146,6 +147,8 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
         "versions": versions(digests(planned.parts)),
         **study_metrics(planned.axes, ordered, scenario.checks, again, scenario.contrasts),
     }
+    predicted = predicted_figures(scenario, metrics["rows"])
+    metrics |= {"predicted": predicted} if predicted else {}
     try:
         replace(folder / folders.LOG, "".join(lines))
         replace_json(folder / "metrics.json", metrics)

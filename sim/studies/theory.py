@@ -37,6 +37,7 @@ class Line(NamedTuple):
 
 Cell = Mapping[str, Any]
 """The chosen values of a cell by the address of their axis."""
+Columns = dict[str, list[float | None]]
 
 
 class Theory(NamedTuple):
@@ -45,7 +46,7 @@ class Theory(NamedTuple):
     unfit: Callable[[Sequence[str]], str]  # why the addresses of chosen axes are not those that it is about, "" = are
     lines: Callable[[Scenario, np.ndarray, np.ndarray], tuple[Line, ...]]  # (scenario, values of x, values of y)
     needs: Callable[[Scenario], str]  # what it is about and a scenario lacks, "" = nothing
-    figures: Callable[[Scenario, Cell], dict[str, float | None]] | None = None  # of a cell, as in metrics.json
+    figures: Callable[[Scenario, Sequence[Cell]], Columns] | None = None  # of cells, a column for each figure
 
 
 def plane(x: str, y: str) -> Callable[[Sequence[str]], str]:
@@ -176,15 +177,17 @@ def gain_lines(scenario: Scenario, x: np.ndarray, y: np.ndarray) -> tuple[Line, 
     )
 
 
-def gain_figures(scenario: Scenario, cell: Cell) -> dict[str, float | None]:
+def gain_figures(scenario: Scenario, cells: Sequence[Cell]) -> Columns:
     """Amplitude and period of the bank in the limit cycle that an aircraft starting beside the line ends in."""
-    share, bank = (cell[address] for address in GAIN)
-    limited = _limited_loop(scenario, bank)
-    law = law_of_frequency(share * limited.loop.bandwidth, limited.loop.speed, limited.bank_limit)
-    cycle = caught(limited, law, abs(scenario.start.cross_track))
-    if cycle is None:
-        return {"bank_cycle_deg": None, "bank_cycle_period_s": None}
-    return {"bank_cycle_deg": math.degrees(cycle.bank), "bank_cycle_period_s": cycle.period}
+    found = []
+    for share, bank in ([cell[address] for address in GAIN] for cell in cells):
+        limited = _limited_loop(scenario, bank)
+        law = law_of_frequency(share * limited.loop.bandwidth, limited.loop.speed, limited.bank_limit)
+        found.append(caught(limited, law, abs(scenario.start.cross_track)))
+    return {
+        "bank_cycle_deg": [None if cycle is None else math.degrees(cycle.bank) for cycle in found],
+        "bank_cycle_period_s": [None if cycle is None else cycle.period for cycle in found],
+    }
 
 
 def _limited_loop(scenario: Scenario, bank: float) -> LimitedLoop:
@@ -229,13 +232,11 @@ def border(name: str, scenario: Scenario, x: np.ndarray) -> np.ndarray:
     return THEORIES[name].lines(scenario, x, np.zeros(1))[0].y
 
 
-def predicted_figures(scenario: Scenario, rows: Sequence[dict[str, Any]]) -> dict[str, list[float | None]]:
+def predicted_figures(scenario: Scenario, rows: Sequence[dict[str, Any]]) -> Columns:
     """Columns of figures that the theory of a study predicts for its cells; empty where it predicts none."""
     if scenario.study is None or scenario.study.theory is None or not rows:
         return {}
-    theory = THEORIES[scenario.study.theory]
-    if theory.figures is None:
-        return {}
+    figures = THEORIES[scenario.study.theory].figures
     chosen = [one.address for one in scenario.study.varied if isinstance(one, Listed)]
-    cells = [theory.figures(scenario, {address: row[address] for address in chosen}) for row in rows]
-    return {name: [cell[name] for cell in cells] for name in cells[0]}
+    cells = [{address: row[address] for address in chosen} for row in rows]
+    return {} if figures is None else figures(scenario, cells)

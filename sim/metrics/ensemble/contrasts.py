@@ -15,9 +15,12 @@ from sim.scenario.tables import Contrast
 def contrasts_over_flights(asked: Sequence[Contrast], records: Sequence[dict[str, Any]]) -> list[Entry]:
     """The list ``contrasts`` of metrics.json over all flights; its keys are those of one flight.
 
-    An RMSE is the root mean square over the flights that have it, the ratio that of the two, ``n`` those flights.
+    An RMSE is the root mean square over the flights that have it, the ratio that of the two, ``n`` those flights. Those
+    of a single flight are its own, with intervals over its draws.
     """
     each = [record["metrics"].get("contrasts", {}) for record in records]
+    if len(records) == 1:
+        return [entry(one, _tables(each[0][one.pair]) if one.pair in each[0] else {}) for one in asked]
     return [entry(one, _pooled([_tables(flight[one.pair]) for flight in each if one.pair in flight])) for one in asked]
 
 

@@ -25,7 +25,7 @@ from autopilot.route import PathDeviation
 from tracking.motion import GRAVITY, closed_loop, constant_velocity
 
 Array = Any
-STEP = 0.1  # s, at most: the loops of captures have time constants of 10 s and more
+STEP = 0.2  # s, at most: the loops of captures have time constants of 10 s and more
 
 
 class Filters(NamedTuple):

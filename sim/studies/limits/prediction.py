@@ -20,6 +20,7 @@ from sim.studies.limits.capture import Capture, Filters, capture, contact
 Array = Any
 OFFSET, BANK = "start.cross_track_m", "autopilot.bank_limit_deg"
 CROSS_TRACK, RATE = "autopilot.law.cross_track_limit_m", "autopilot.law.cross_track_rate_limit_mps"
+AT_LIMITS = "at_limits_s"  # how long any limit acts
 ADDRESSES = (OFFSET, BANK, CROSS_TRACK, RATE)
 CASES = (  # two designs that share nothing: what is the same in both is fixed
     DesignCase(0.2, 1.0, 50.0, k1=1e-3, k2=1e-2, cross_track_limit=300.0),
@@ -71,7 +72,7 @@ def predict(scenario: Scenario, values: Mapping[str, Array]) -> Prediction:
     fixed, _ = _laws(scenario) or CASES
     limits = {"cross_track_limit": CROSS_TRACK, "cross_track_rate_limit": RATE}
     told = {name: _si(given, address, math.nan) for name, address in limits.items() if address in given}
-    case = DesignCase(bank, 1.0, 50.0, fixed.k1, fixed.k2, fixed.cross_track_limit)  # type: ignore[arg-type]
+    case = DesignCase(bank, 1.0, 50.0, fixed.k1, fixed.k2, fixed.cross_track_limit)
     law = scenario.modes[scenario.mode].designed({**scenario.law, **told}, case)
     flown = LateralNavigation.of(law)
     assert flown is not None
@@ -85,19 +86,13 @@ def predict(scenario: Scenario, values: Mapping[str, Array]) -> Prediction:
     return Prediction(np.broadcast_to(contact(flown, offset, seconds), offset.shape), found.at_limits, ratio)
 
 
-def cell_figures(scenario: Scenario, cell: Mapping[str, Any]) -> dict[str, float | None]:
-    """Theory of one cell, as in metrics.json."""
-    found = predict(scenario, {address: float(value) for address, value in cell.items()})
-    named: dict[str, float | None] = {"at_limits_s": float(found.at_limits)}
-    return (
-        named
-        if found.ratio is None
-        else named | {f"contrasts.{_pair(scenario)}.cross_track_m.ratio": float(found.ratio)}
-    )
-
-
-def _pair(scenario: Scenario) -> str:
-    return scenario.contrasts[0].pair
+def cell_figures(scenario: Scenario, cells: Sequence[Mapping[str, Any]]) -> dict[str, list[float | None]]:
+    """Theory of cells by the names of metrics.json, a column for each figure."""
+    found = predict(scenario, {address: np.array([float(cell[address]) for cell in cells]) for address in cells[0]})
+    columns: dict[str, list[float | None]] = {AT_LIMITS: found.at_limits.tolist()}
+    if found.ratio is not None:
+        columns[f"contrasts.{scenario.contrasts[0].pair}.overall.cross_track_m.ratio"] = found.ratio.tolist()
+    return columns
 
 
 def _laws(scenario: Scenario) -> tuple[LateralNavigation, LateralNavigation] | None:
