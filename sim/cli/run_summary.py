@@ -99,6 +99,7 @@ def study_summary(metrics: dict[str, Any], again: Again) -> str:
     """
     ended = _ended(metrics["outcomes"])
     lines = [f"{metrics['scenario']}: {flights_of(metrics)}: {ended}"]
+    lines += [metrics["answer"]] if "answer" in metrics else []
     lines += [answer(metrics)] if "exceedances" in metrics else []
     for outcome, name in (("crashed", "crashes"), ("refused", "refusals")):
         lines += [f"{outcome}: {reason}" for reason in metrics.get(name, ())[:MOST_REASONS]]

@@ -14,10 +14,9 @@ from sim.reporting.text.labels import ABSENT, words
 from sim.reporting.text.rows import every_flight, flights_of, kept_by
 from sim.scenario.toml_writer import dumps
 from sim.studies.figures import figure_of, study_charts
-from sim.studies.limits.answer import answer as contrasted
-from sim.studies.limits.answer import question as asked
+from sim.studies.limits.answer import question
 from sim.studies.limits.drawing import ratio_chart
-from sim.studies.limits.maps import ratio_maps
+from sim.studies.limits.maps import RatioMap
 from sim.studies.metrics import named
 from sim.versions import rows
 
@@ -26,20 +25,28 @@ WORST = 20  # flights that are listed
 USUAL = ("overshoot_m", "settling_s", "time_saturated_s", "bank_max_deg")
 
 
-def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any]], again: Again) -> str:
-    """The text of report.html, from metrics.json and the sorted log; ``again`` is how a flight is flown again."""
+def page(
+    scenario: Any,
+    metrics: dict[str, Any],
+    records: Sequence[dict[str, Any]],
+    again: Again,
+    maps: Sequence[RatioMap] = (),
+) -> str:
+    """The text of report.html, from metrics.json, the sorted log and the maps of a contrast.
+
+    ``again`` is how a flight is flown again.
+    """
     shown = shown_metrics(scenario, metrics)
-    maps = ratio_maps(scenario, metrics)
     with style.drawing():
         charts = [*map(ratio_chart, maps), *study_charts(scenario, metrics, records, shown)]
     predicted = metrics.get("predicted", {})
     ended = ", ".join(f"{count} {words(name)}" for name, count in sorted(metrics["outcomes"].items()))
     told = f"{flights_of(metrics)}: {ended}"
-    answered = contrasted(maps[0]) if maps else f"{answer(metrics)}." if "exceedances" in metrics else ""
+    answered = metrics.get("answer") or (f"{answer(metrics)}." if "exceedances" in metrics else "")
     return rendered(
         "study.html",
         name=scenario.name,
-        question=asked(maps[0]) if maps else "",
+        question=question(scenario.contrasts[0]) if maps else "",
         sentence=answered or f"{told}.",
         ended=f"{told}." if answered else "",
         good=all(check["passed"] is not False for check in metrics["checks"]) and "crashed" not in metrics["outcomes"],

@@ -85,9 +85,17 @@ def _faults(
         for value in one.values if isinstance(one, Listed) else (one.typical,):
             try:
                 tables = with_values(_flown_tables(scenario), {one.address: value})
-                parts |= {*read(tables, plugins=catalogue).parts}
+                cell = read(tables, plugins=catalogue)
+                parts |= {*cell.parts}
             except ScenarioError as error:
                 faults += [f'[study] axes "{one.address}": {_said(line)}' for line in str(error).splitlines()]
+                break
+            wanted = dict.fromkeys(side for pair in scenario.contrasts for side in (pair.of, pair.against))
+            gone = [name for name in wanted if name in scenario.trackers and name not in cell.trackers]
+            if gone:
+                faults.append(
+                    f"[study] axes \"{one.address}\": [[contrasts]] needs the tracker '{gone[0]}' in every cell"
+                )
                 break
     if table.theory is not None:
         theory, chosen = THEORIES[table.theory], [one.address for one in axes if isinstance(one, Listed)]

@@ -21,6 +21,8 @@ from sim.scenario.toml_writer import dumps
 from sim.studies import flight_cache
 from sim.studies import folder as folders
 from sim.studies.job import Job, fly, lost
+from sim.studies.limits.answer import answer
+from sim.studies.limits.maps import ratio_maps
 from sim.studies.metrics import named, study_metrics
 from sim.studies.plan import Study, designed_cells, plan, read_text
 from sim.studies.theory import predicted_figures
@@ -147,12 +149,13 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
         "versions": versions(digests(planned.parts)),
         **study_metrics(planned.axes, ordered, scenario.checks, again, scenario.contrasts),
     }
-    predicted = predicted_figures(scenario, metrics["rows"])
+    predicted, maps = predicted_figures(scenario, metrics["rows"]), ratio_maps(scenario, metrics)
     metrics |= {"predicted": predicted} if predicted else {}
+    metrics |= {"answer": answer(scenario.contrasts[0], maps)} if scenario.contrasts else {}
     try:
         replace(folder / folders.LOG, "".join(lines))
         replace_json(folder / "metrics.json", metrics)
-        replace(folder / "report.html", page(scenario, metrics, ordered, again))
+        replace(folder / "report.html", page(scenario, metrics, ordered, again, maps))
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written: {error.strerror}; finished flights are kept") from None
     return metrics

@@ -7,56 +7,46 @@ from typing import Any
 
 import numpy as np
 
-from sim.reporting.text.labels import number, words
+from sim.reporting.text.labels import words
+from sim.scenario.tables import Contrast
 from sim.studies.figures import Scale
 from sim.studies.limits.maps import Panel, RatioMap, undecided
 
 SEPARATED = 0.9  # least share of the decided cells that a time at the limits must tell apart to be named
 
 
-def question(one: RatioMap) -> str:
+def question(asked: Contrast) -> str:
     """What a study of a contrast asks."""
-    return f"Where does {words(one.of)} err more than {words(one.against)}, and by how much?"
+    return f"Where does {words(asked.of)} err more than {words(asked.against)}, and by how much?"
 
 
-def answer(one: RatioMap) -> str:
-    """The sentence."""
+def answer(asked: Contrast, maps: Sequence[RatioMap]) -> str:
+    """The sentence, of the first map; where there is none, that nothing could be compared."""
+    of, against = words(asked.of), words(asked.against)
+    of = of[:1].upper() + of[1:]
+    if not maps or not any(np.isfinite(panel.ratio).any() for panel in maps[0].panels):
+        return f"{of} and {against} cannot be compared in any cell: one of them never tracked, or was lost."
+    one = maps[0]
     ratio, low, high, open_ = (
-        np.concatenate([np.ravel(part) for part in parts])
-        for parts in (
-            [panel.ratio for panel in one.panels],
-            [panel.low for panel in one.panels],
-            [panel.high for panel in one.panels],
-            [undecided(panel) for panel in one.panels],
-        )
+        np.concatenate([np.ravel(part(panel)) for panel in one.panels])
+        for part in (lambda p: p.ratio, lambda p: p.low, lambda p: p.high, undecided)
     )
     known = np.isfinite(ratio)
-    worse, count = known & ~open_ & (ratio > 1.0), int(known.sum())
-    subject, other = words(one.of), words(one.against)
-    subject = subject[:1].upper() + subject[1:]
-    rest = f" ({one.what})" + (f"; {len(ratio) - count} cells have no ratio" if count < len(ratio) else "")
-    if not count:
-        return f"No cell has a ratio of {words(one.of)} to {other} ({one.what})."
-    if not worse.any():
-        best = int(np.nanargmin(ratio))
-        least = _times(ratio, low, high, best)
-        return f"{subject} errs more than {other} in none of {count} cells; at best {least}{rest}."
-    worst = int(np.nanargmax(ratio))
-    most = f"; in the worst cell {_times(ratio, low, high, worst)}{rest}."
-    if worse.sum() == count:
-        return f"{subject} errs more than {other} in all of {count} cells{most}"
-    seconds = _separating(one.panels)
-    acts = (
-        f"where a limit acts for more than about {seconds:.0f} s" if seconds else f"in {worse.sum()} of {count} cells"
-    )
-    place = _where(one)
-    return f"{subject} errs more than {other} {acts}{': ' + place if place else ''}{most}"
+    count, worse = int(known.sum()), int((known & ~open_ & (ratio > 1.0)).sum())
+    lacking = f"; {len(ratio) - count} cells have no ratio" if count < len(ratio) else ""
 
+    def extreme(place: int) -> str:
+        between = f"{low[place]:.3g} to {high[place]:.3g}; " if np.isfinite(low[place]) else ""
+        return f"{ratio[place]:.3g} times ({between}RMSE, {one.what}){lacking}."
 
-def _times(ratio: np.ndarray, low: np.ndarray, high: np.ndarray, place: int) -> str:
-    """A ratio with its interval, where it has one."""
-    between = f" ({number(float(low[place]))} to {number(float(high[place]))})" if np.isfinite(low[place]) else ""
-    return f"{number(float(ratio[place]))} times{between}"
+    if not worse:
+        return f"{of} errs more than {against} in none of {count} cells; at most {extreme(int(np.nanargmax(ratio)))}"
+    most = f"in the worst cell {extreme(int(np.nanargmax(ratio)))}"
+    if worse == count:
+        return f"{of} errs more than {against} in all of {count} cells; {most}"
+    seconds, place = _separating(one.panels), _where(one)
+    acts = f"where a limit acts for more than about {seconds:.0f} s" if seconds else f"in {worse} of {count} cells"
+    return f"{of} errs more than {against} {acts}{': ' + place if place else ''}; {most}"
 
 
 def _separating(panels: Sequence[Panel]) -> float | None:
@@ -110,13 +100,14 @@ def _crossing(at: np.ndarray, height: np.ndarray) -> tuple[str, float] | None:
 
 def _fixed(across: Scale | None, row: int, title: str) -> str:
     """What the other axes have there."""
-    named = (
-        [] if across is None else [_at(across, float(across.at[row])) if across.ticks is None else across.ticks[row]]
-    )
-    return f" at {' and '.join(named)}" * bool(named) + f" ({title})" * bool(title)
+    if across is None:
+        return f" ({title})" if title else ""
+    value = _at(across, float(across.at[row])) if across.ticks is None else f"{across.label} {across.ticks[row]}"
+    return f" at {value}" + (f" ({title})" if title else "")
 
 
 def _at(scale: Scale, value: float) -> str:
     """A value of an axis with its name and unit."""
     name, _, unit = scale.label.partition(", ")
-    return f"a {name.removeprefix('autopilot ').removeprefix('law ')} of {value:.3g} {unit}".rstrip()
+    shown = f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+    return f"a {name.removeprefix('autopilot ').removeprefix('law ')} of {shown} {unit}".rstrip()

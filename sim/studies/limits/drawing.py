@@ -15,6 +15,7 @@ from sim.studies.limits.maps import Border, RatioMap, undecided
 
 COLUMNS = 3
 HEIGHT = 2.1  # in, of a panel among several
+SCALE_ROOM, SCALE_WIDTH = 0.62, 0.14  # in, of the scale of colours with its numbers, and of its colours
 TICKS = np.array([0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000])
 LOOKS = ((style.GREEN, ":"), (style.BLACK, "--"))  # of the borders of theory
 
@@ -56,6 +57,8 @@ def _map(one: RatioMap, title: str) -> Chart:
         place.set_ylim(outer_y[0], outer_y[-1])
         if panel.title:
             place.set_title(panel.title)
+        if not alone and one.x.ticks is None:
+            place.locator_params(axis="x", nbins=4)
     for unused in axes[len(one.panels) :]:
         unused.set_visible(False)
     _legend(axes[0], one, raised=0.0 if alone else 0.1)
@@ -65,11 +68,23 @@ def _map(one: RatioMap, title: str) -> Chart:
             place.tick_params(labelbottom=True)
         if number % columns == 0:
             set_scale(place.yaxis, one.y)
-    bar = figure.colorbar(mesh, ax=axes, label="ratio", pad=0.02, fraction=0.05)
+    bar = figure.colorbar(mesh, cax=_beside(figure, axes), label="ratio")
     ticks = np.log10(TICKS)
     shown = np.abs(ticks) <= most
     bar.set_ticks(ticks[shown], labels=[f"{ratio:g}" for ratio in TICKS[shown]])
     return Chart(title, style.data_uri(figure), _caption(one))
+
+
+def _beside(figure: Any, axes: list[Any]) -> Any:
+    """Axes for the scale of colours, in room that the others give up at the right."""
+    kept = 1.0 - SCALE_ROOM / style.WIDTH
+    for place in axes:
+        box = place.get_position()
+        place.set_position((box.x0 * kept, box.y0, box.width * kept, box.height))
+    low, high = (
+        edge([getattr(place.get_position(), side) for place in axes]) for edge, side in ((min, "y0"), (max, "y1"))
+    )
+    return figure.add_axes((kept, low, SCALE_WIDTH / style.WIDTH, high - low))
 
 
 def _to_the_edges(at: np.ndarray, outer: np.ndarray) -> np.ndarray:

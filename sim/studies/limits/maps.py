@@ -10,7 +10,7 @@ import numpy as np
 
 from sim.reporting.text.labels import words
 from sim.scenario.model import Scenario
-from sim.studies.figures import Scale, edges, scale, short
+from sim.studies.figures import Scale, edges, label, scale, short
 from sim.studies.limits.prediction import Prediction, predict
 
 FINE = 33  # points of a border of theory along each axis
@@ -156,7 +156,7 @@ def _panel(
         for table, name in ((ratio, "ratio"), (low, "low"), (high, "high")):
             if found.get(name) is not None:
                 table[up, across] = found[name]
-    title = ", ".join(f"{short(address)} = {_said(value)}" for address, value in others.items())
+    title = ", ".join(_said(address, value) for address, value in others.items())
     if theory is None:
         return Panel(title, ratio, low, high, None, None, ())
     cells, fine = (one[tuple(others.values())] for one in (theory.cells, theory.fine))
@@ -164,9 +164,11 @@ def _panel(
     predicted = None
     if of_flight and fine.ratio is not None:
         borders.append(Border("ratio 1 by theory", theory.x, theory.y, np.log(np.reshape(fine.ratio, (-1, FINE)))))
-        predicted = np.reshape(cells.ratio, shape)
+        predicted = np.reshape(np.asarray(cells.ratio), shape)
     return Panel(title, ratio, low, high, np.reshape(cells.at_limits, shape), predicted, tuple(borders))
 
 
-def _said(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, int | float) else str(value)
+def _said(address: str, value: Any) -> str:
+    """An axis with its value and unit."""
+    shown = f"{value:g}" if isinstance(value, int | float) else str(value)
+    return f"{short(address)} {shown} {label(address).partition(', ')[2]}".rstrip()

@@ -40,9 +40,13 @@ def needs(scenario: Scenario) -> str:
     """What the theory of limits lacks in a scenario; "" where it has all."""
     if not isinstance(scenario.route, LegsTable) or len(scenario.route.legs) != 1:
         return 'a route of one leg, [route] kind = "legs"'
-    if _laws(scenario) is None:
+    try:
+        laws = _laws(scenario)
+    except ValueError:
+        return ""  # faults of its own numbers are reported when it is designed
+    if laws is None:
         return f"a law of the cross-track and its rate, such as 'lateral_navigation', not '{scenario.mode}'"
-    one, other = (law for law in _laws(scenario) or ())
+    one, other = laws
     chosen = {axis.address for axis in scenario.study.varied} if scenario.study else set()
     open_ = [name for name in ("k1", "k2") if getattr(one, name) != getattr(other, name)]
     open_ += (
@@ -97,11 +101,7 @@ def cell_figures(scenario: Scenario, cells: Sequence[Mapping[str, Any]]) -> dict
 
 def _laws(scenario: Scenario) -> tuple[LateralNavigation, LateralNavigation] | None:
     """The law by two designs; what the file sets is the same in both. None = it is no such law."""
-    try:
-        found = [LateralNavigation.of(scenario.modes[scenario.mode].designed(scenario.law, case)) for case in CASES]
-    except ValueError:
-        return None  # faults of its own numbers are reported when it is designed
-    one, other = found
+    one, other = (LateralNavigation.of(scenario.modes[scenario.mode].designed(scenario.law, case)) for case in CASES)
     return None if one is None or other is None else (one, other)
 
 
