@@ -1,4 +1,4 @@
-"""What the map of limits must show: theory's border beside the flown one, its time, and the same bytes however flown."""
+"""What the map of limits must show: theory's border beside the flown one, its time, the same bytes however flown."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def made(axes, outcome=lambda values: "completed", samples=1, checks=(), **study
     ]
     for record in records:
         record["checks"] = evaluate_checks(scenario.checks, None, scenario.runway, record["metrics"])
-    figures = study_metrics(scenario.study.varied, records, scenario.checks, run_again("scenario.toml"), scenario.contrasts)
+    figures = study_metrics(scenario.study.varied, records, scenario.checks, run_again("scenario.toml"))
     metrics = {"scenario": "line", "seed": 1, "flights": len(records), "versions": {"python": "3"}, **figures}
     return scenario, metrics, records
 
