@@ -401,8 +401,8 @@ class StudyTable:
 
     axes: dict[str, Any] | None = None  # absent = nothing is varied: every sample is one more flight
     samples: int = 1
-    show: tuple[str, ...] = ()  # metrics that the report draws; absent = those of the checks, or the usual ones
-    theory: Literal["orbit", "energy", "gain", "limits"] | None = None  # the border that maps draw
+    show: tuple[str, ...] = ()  # what the report draws; absent = figures of checks, or the usual ones, and of trackers
+    theory: Literal["orbit", "energy", "gain", "limits"] | None = None  # what maps draw before they are flown
 
     def __post_init__(self) -> None:
         if self.axes is not None and not self.axes:
