@@ -85,6 +85,6 @@ def test_the_answer_counts_flights_once_and_names_what_they_broke():
     assert (found["beyond"], found["flights"], found["probability"]) == (3, 100, 0.03)
     assert found["below"] == pytest.approx(binomtest(3, 100).proportion_ci(0.8, method="exact").high)
     metrics = {"flights": 100, "any_beyond": any_beyond(judged), "exceedances": [found]}
-    assert answer(metrics) == "3 of 100 flights beyond a limit: 3 %, below 7.6 % with 95 % confidence; sink 3"
+    assert answer(metrics) == "3 of 100 flights beyond a limit: 3 %, below 7.6 % with 95 % confidence; broken: sink (3)"
     none = {"flights": 1000, "any_beyond": 0, "exceedances": []}
     assert answer(none) == "0 of 1000 flights beyond a limit: below 0.3 % with 95 % confidence"  # 1 - 0.05^(1/1000)
