@@ -106,6 +106,8 @@ def study_summary(metrics: dict[str, Any], again: Again) -> str:
     if metrics["checks"]:
         lines += ["", *_checks(metrics["checks"], True)]
     failed = broken_checks(metrics, again)
-    worst = metrics["worst"]
-    how = again(worst["flight"], chosen(worst["values"], metrics))
-    return "\n".join([*lines, "", *(failed or [f"nearest to a limit: flight {worst['flight']}: {how}"])])
+    if metrics["checks"] and not failed:
+        worst = metrics["worst"]
+        how = again(worst["flight"], chosen(worst["values"], metrics))
+        failed = [f"nearest to a limit: flight {worst['flight']}: {how}"]
+    return "\n".join([*lines, "", *failed] if failed else lines)

@@ -15,6 +15,7 @@ from typing import Any
 from sim.errors import OutputError
 from sim.experiment import read
 from sim.files import replace, replace_json
+from sim.reporting.text.broken_checks import Again
 from sim.scenario.budget import refuse_workers
 from sim.scenario.plugins import catalogue_with, digests
 from sim.scenario.toml_writer import dumps
@@ -102,7 +103,8 @@ def _fly_all(
 ) -> dict[str, Any]:
     with folders.locked(folder):
         folders.mend_log(folder)
-        records = {_key(record): record for record in folders.read_log(folder)}
+        again = folders.run_again_there(planned.parts)
+        records = {_key(record): named(record, planned.axes, again) for record in folders.read_log(folder)}
         cache = str(folders.flights_of(folder).resolve())
         waiting = [
             Job(cell, sample, flight, {**planned.cells[cell], **drawn}, tables[cell], drawn, cache, planned.parts)
@@ -120,11 +122,12 @@ def _fly_all(
                 for number, result in ended:
                     job = waiting[number]
                     record = lost(job, result.reason) if isinstance(result, Lost) else result
+                    record = named(record, planned.axes, again)
                     append(record)
                     records[_key(record)] = record
         finally:
             executor.close()
-        metrics = _finish(planned, folder, records)
+        metrics = _finish(planned, folder, records, again)
         flight_cache.prune(folders.flights_of(folder), folders.begun(folder))
         return metrics
 
@@ -133,12 +136,13 @@ def _key(record: dict[str, Any]) -> tuple[int, int, int]:
     return record["cell"], record["sample"], record["flight"]
 
 
-def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], dict[str, Any]]) -> dict[str, Any]:
+def _finish(
+    planned: Study, folder: Path, records: dict[tuple[int, int, int], dict[str, Any]], again: Again
+) -> dict[str, Any]:
     """Sort the log and write what all flights show; every file is whole or the old one."""
     from sim.studies.page import page
 
-    again = folders.run_again_there(planned.parts)
-    lines = [folders.line(named(records[key], planned.axes, again)) for key in sorted(records)]
+    lines = [folders.line(records[key]) for key in sorted(records)]
     ordered = [json.loads(line) for line in lines]  # as a resumed study reads them
     scenario = planned.scenario
     metrics = {

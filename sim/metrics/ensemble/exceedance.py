@@ -94,8 +94,8 @@ def answer(metrics: dict[str, Any]) -> str:
     sentence += f"{percent(broken / flights)} %, " if broken else ""
     sentence += f"below {percent(below)} % with {100 * CONFIDENCE:g} % confidence"
     most = sorted((one for one in metrics["exceedances"] if one["beyond"]), key=lambda one: -one["beyond"])
-    which = ", ".join(f"{one['name']} {one['beyond']}" for one in most)
-    return f"{sentence}; {which}" if which else sentence
+    which = ", ".join(f"{one['name']} ({one['beyond']})" for one in most)
+    return f"{sentence}; broken: {which}" if which else sentence
 
 
 def percent(probability: float) -> str:

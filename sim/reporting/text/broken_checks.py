@@ -62,8 +62,11 @@ def _found(check: Table) -> str:
 
 def chosen(values: Table, metrics: Table) -> dict[str, Any]:
     """Those of a flight's values that a study chose; what is drawn follows from the number of the flight."""
-    axes = metrics.get("axes", {})
-    return {address: value for address, value in values.items() if "values" in axes.get(address, {})}
+    return {
+        address: values[address]
+        for address, axis in metrics.get("axes", {}).items()
+        if "values" in axis and address in values
+    }
 
 
 def run_again(file: Any, plugins: Iterable[Any] = ()) -> Again:
