@@ -132,12 +132,23 @@ def set_scale(axis: Any, scale: Scale) -> None:
 
 def _first_of_the_rest(metrics: dict[str, Any], kept: Sequence[str]) -> list[dict[str, Any]]:
     """Rows over the kept axes, at the first value of every other one."""
-    fixed = {
+    fixed = _fixed(metrics, kept)
+    return [row for row in metrics["rows"] if all(row[address] == value for address, value in fixed.items())]
+
+
+def _fixed(metrics: dict[str, Any], kept: Sequence[str]) -> dict[str, Any]:
+    """The first value of every chosen axis that is not kept."""
+    return {
         address: axis["values"][0]
         for address, axis in metrics["axes"].items()
         if "values" in axis and address not in kept
     }
-    return [row for row in metrics["rows"] if all(row[address] == value for address, value in fixed.items())]
+
+
+def _at_fixed(metrics: dict[str, Any], kept: Sequence[str]) -> str:
+    """A caption's last sentence: which cells are left out of the figure."""
+    fixed = ", ".join(f"{label(address)} = {value}" for address, value in _fixed(metrics, kept).items())
+    return f" Cells of {fixed}; the others are in the table." if fixed else ""
 
 
 def _table(metrics: dict[str, Any], x: str, y: str, get: Any) -> np.ndarray:
@@ -179,7 +190,7 @@ def _map(name: str, x: str, y: str, metrics: dict[str, Any], lines: Sequence[Lin
     caption = "Median of the flights of each cell; grey where no flight has the figure."
     if ratio:
         caption = "Ratio of medians, logarithmic; the black line is where the two are equal."
-    return Chart(label(name), style.data_uri(figure), caption)
+    return Chart(label(name), style.data_uri(figure), caption + _at_fixed(metrics, (x, y)))
 
 
 def _outcome_map(x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line]) -> Chart:
@@ -198,7 +209,8 @@ def _outcome_map(x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line])
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(names) + 1)
     set_scale(axes.xaxis, across)
     set_scale(axes.yaxis, up)
-    return Chart("Outcomes", style.data_uri(figure), "The commonest outcome of each cell.")
+    caption = "The commonest outcome of each cell." + _at_fixed(metrics, (x, y))
+    return Chart("Outcomes", style.data_uri(figure), caption)
 
 
 def _sections(scenario: Any, metrics: dict[str, Any], x: str, y: str, shown: Sequence[str]) -> list[Chart]:
@@ -253,7 +265,8 @@ def _curves(name: str, x: str, lines: str | None, metrics: dict[str, Any]) -> Ch
         axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
     set_scale(axes.xaxis, across)
     axes.set_ylabel(label(name))
-    return Chart(label(name), style.data_uri(figure), "Line: median of the flights; band: 5 % to 95 % of them.")
+    caption = "Line: median of the flights; band: 5 % to 95 % of them." + _at_fixed(metrics, kept)
+    return Chart(label(name), style.data_uri(figure), caption)
 
 
 def _exceedances(found: Sequence[Distribution]) -> list[Chart]:

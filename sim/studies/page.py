@@ -81,7 +81,7 @@ def shown_metrics(scenario: Any, metrics: dict[str, Any]) -> list[str]:
 
     trackers = [name for tracker in scenario.trackers for name in _errors(tracker, metrics["rows"])]
     judged = known([check["metric"] for check in metrics["checks"]])
-    return known(scenario.study.show) or [*dict.fromkeys([*(judged or known(USUAL)), *trackers])]
+    return known(scenario.study.show) or [*dict.fromkeys([*trackers, *(judged or known(USUAL))])]
 
 
 def _errors(tracker: str, rows: Sequence[dict[str, Any]]) -> list[str]:

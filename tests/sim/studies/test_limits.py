@@ -19,7 +19,7 @@ from sim.scenario.plugins import catalogue_with
 from sim.scenario.reading import read
 from sim.scenario.tables import Contrast
 from sim.scenario.toml_writer import dumps
-from sim.studies.figures import edges, label, short
+from sim.studies.figures import edges, label, short, study_charts
 from sim.studies.limits.answer import answer
 from sim.studies.limits.capture import Filters, capture, contact
 from sim.studies.limits.drawing import ratio_chart
@@ -299,6 +299,13 @@ def test_the_page_opens_with_question_answer_and_map_and_shows_trackers_unasked(
     assert places == sorted(places)
     asked = scenario.study.__class__(axes=scenario.study.axes, show=("bank_max_deg",))
     assert shown_metrics(replace(scenario, study=asked), metrics) == ["bank_max_deg"]
+
+
+def test_a_figure_says_which_cells_it_leaves_out():
+    axes = {OFFSET: [250.0, 500.0], BANK: [10.0, 15.0], CROSS_TRACK: [450.0, 900.0]}
+    scenario, metrics, records = contrasted(axes, lambda v: 2.0)
+    (chart,) = study_charts(scenario, metrics, records, ["bank_max_deg"])
+    assert chart.caption.endswith("Cells of autopilot law cross-track limit, m = 450.0; the others are in the table.")
 
 
 def test_one_axis_is_a_curve():
