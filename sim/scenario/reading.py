@@ -202,7 +202,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         "modes": modes,
         "law": given_values(modes[mode], law_table),
         "designed": tables.get("designed"),
-        "wind": _construct(faults, "[wind]", WindTable, wind_table, events=events),
+        "wind": _construct(faults, "[wind]", WindTable, wind_table, events=events, runway=runway),
         "sensors": sensors,
         "trackers": trackers,
         **{

@@ -217,25 +217,37 @@ class AutopilotTable:
 
 
 TOWER = 10.0  # m above the ground, where wind is measured
+TWENTY_FEET = 6.096  # m above the ground, where the wind that sets turbulence is told
 
 
 @dataclass(frozen=True)
 class WindTable:
-    """Steady wind with its profile, Dryden turbulence whose intensity does not depend on it, and single events."""
+    """Steady wind with its profile, Dryden turbulence, and single events.
+
+    The wind is said by where it comes from and how fast, or by its components along and across the runway. The
+    intensity of the turbulence does not depend on it unless it is "by_wind": then the mean wind at 20 ft is what the
+    profile makes it there, which is what the specification means by it [MIL-F-8785C, 3.7.3].
+    """
 
     from_: Annotated[float, "rad"] = 0.0
     speed: Annotated[float, "m/s"] = 0.0
-    turbulence: Literal["none", "light", "moderate", "severe"] = "none"
+    headwind: Annotated[float | None, "m/s"] = None  # instead of from and speed; + against the landing aircraft
+    crosswind: Annotated[float | None, "m/s"] = None  # + from its right
+    turbulence: Literal["none", "light", "moderate", "severe", "by_wind"] = "none"
     w20: Annotated[float | None, "m/s"] = None
     shear: Literal["none", "logarithmic", "power"] = "none"
     reference_height: Annotated[float | None, "m"] = None  # where ``speed`` is measured; absent = 10 m
     roughness: Annotated[float | None, "m"] = None  # of the logarithmic profile
     exponent: float | None = None  # of the power profile
     events: Annotated[dict[str, Any], "given"] = field(default_factory=dict)  # gusts and microbursts by name
+    runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
     def __post_init__(self) -> None:
         if not 0 <= self.speed <= 100:
             raise ValueError("speed must lie within 0 and 100 m/s")
+        _within(self, -100.0, 100.0, "m/s", "headwind", "crosswind")
+        if self._by_components and (self.speed != 0.0 or self.from_ != 0.0):
+            raise ValueError("say 'from' and 'speed', or 'headwind' and 'crosswind', not both")
         if self.w20 is not None and self.turbulence != "none":
             raise ValueError("say 'turbulence' or 'w20_kt', not both")
         if self.w20 is not None and not 0 < self.w20 <= 50:
@@ -250,8 +262,20 @@ class WindTable:
         _ = self.profile  # its own limits
 
     @property
+    def _by_components(self) -> bool:
+        return self.headwind is not None or self.crosswind is not None
+
+    @property
+    def strength(self) -> float:
+        """Speed, m/s, where it is measured, however it is said."""
+        return math.hypot(*self.steady) if self._by_components else self.speed
+
+    @property
     def steady(self) -> tuple[float, float]:
         """The way the air moves, m/s (north, east), where it is measured; without shear, everywhere."""
+        if self._by_components:
+            north, east = self.runway.to_local(-(self.headwind or 0.0), -(self.crosswind or 0.0))
+            return float(north), float(east)
         return -self.speed * math.cos(self.from_), -self.speed * math.sin(self.from_)
 
     @property
@@ -277,6 +301,8 @@ class WindTable:
     @property
     def intensity(self) -> float:
         """Mean wind at 20 ft that sets the turbulence, m/s; 0 = smooth air."""
+        if self.turbulence == "by_wind":
+            return math.hypot(*self.at(TWENTY_FEET))
         return self.w20 if self.w20 is not None else INTENSITIES.get(self.turbulence, 0.0)
 
 
@@ -397,8 +423,8 @@ class StudyTable:
 
     axes: dict[str, Any] | None = None  # absent = nothing is varied: every sample is one more flight
     samples: int = 1
-    show: tuple[str, ...] = ()  # metrics that the report draws; absent = those of the checks, or the usual ones
-    theory: Literal["orbit", "energy", "gain"] | None = None  # the border that maps draw
+    show: tuple[str, ...] = ()  # what the report draws; absent = figures of checks, or the usual ones, and of trackers
+    theory: Literal["orbit", "energy", "gain", "limits"] | None = None  # what maps draw before they are flown
 
     def __post_init__(self) -> None:
         if self.axes is not None and not self.axes:

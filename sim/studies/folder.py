@@ -13,6 +13,7 @@ from typing import Any
 
 from sim.errors import OutputError
 from sim.files import claim, plain, replace
+from sim.reporting.text.broken_checks import Again, run_again
 from sim.scenario.plugins import FAMILIES, Catalogue, Part, digests
 from sim.versions import rows, versions
 
@@ -45,6 +46,14 @@ def open_study(folder: Path, text: str, seed: int, anew: bool = False, parts: It
         replace(folder / SCENARIO, text)
         if not begun:
             replace(folder / IDENTITY, json.dumps(mine, sort_keys=True, indent=1) + "\n")
+
+
+def run_again_there(parts: Iterable[Part]) -> Again:
+    """How a flight of a study is flown again from its folder; files with kinds from outside are called by their name.
+
+    A folder holds no code, and where a file lies may differ from one machine to the next.
+    """
+    return run_again(SCENARIO, sorted({Path(part.origin).name for part in parts if part.text is not None}))
 
 
 def flights_of(folder: Path) -> Path:

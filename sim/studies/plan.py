@@ -82,19 +82,25 @@ def _faults(
         return [much], ()
     faults, parts = [], {*scenario.parts}
     for one in axes:
-        for value in one.values if isinstance(one, Listed) else (one.first,):
+        for value in one.values if isinstance(one, Listed) else (one.typical,):
             try:
                 tables = with_values(_flown_tables(scenario), {one.address: value})
-                parts |= {*read(tables, plugins=catalogue).parts}
+                cell = read(tables, plugins=catalogue)
+                parts |= {*cell.parts}
             except ScenarioError as error:
                 faults += [f'[study] axes "{one.address}": {_said(line)}' for line in str(error).splitlines()]
                 break
+            wanted = dict.fromkeys(side for pair in scenario.contrasts for side in (pair.of, pair.against))
+            gone = [name for name in wanted if name in scenario.trackers and name not in cell.trackers]
+            if gone:
+                faults.append(
+                    f"[study] axes \"{one.address}\": [[contrasts]] needs the tracker '{gone[0]}' in every cell"
+                )
+                break
     if table.theory is not None:
         theory, chosen = THEORIES[table.theory], [one.address for one in axes if isinstance(one, Listed)]
-        if chosen[:2] != [theory.x, theory.y]:
-            faults.append(
-                f'[study] theory "{table.theory}" is about the axes "{theory.x}" and "{theory.y}", in this order'
-            )
+        if unfit := theory.unfit(chosen):
+            faults.append(f'[study] theory "{table.theory}" {unfit}')
         if theory.needs(scenario):
             faults.append(f'[study] theory "{table.theory}" needs {theory.needs(scenario)}')
     return faults, tuple(sorted(parts))

@@ -15,14 +15,18 @@ from typing import Any
 from sim.errors import OutputError
 from sim.experiment import read
 from sim.files import replace, replace_json
+from sim.reporting.text.broken_checks import Again
 from sim.scenario.budget import refuse_workers
 from sim.scenario.plugins import catalogue_with, digests
 from sim.scenario.toml_writer import dumps
 from sim.studies import flight_cache
 from sim.studies import folder as folders
 from sim.studies.job import Job, fly, lost
-from sim.studies.metrics import study_metrics
+from sim.studies.limits.answer import answer
+from sim.studies.limits.maps import ratio_maps
+from sim.studies.metrics import named, study_metrics
 from sim.studies.plan import Study, designed_cells, plan, read_text
+from sim.studies.theory import predicted_figures
 from sim.versions import versions
 from sim.workers.executors import Executor, Lost
 
@@ -99,7 +103,8 @@ def _fly_all(
 ) -> dict[str, Any]:
     with folders.locked(folder):
         folders.mend_log(folder)
-        records = {_key(record): record for record in folders.read_log(folder)}
+        again = folders.run_again_there(planned.parts)
+        records = {_key(record): named(record, planned.axes, again) for record in folders.read_log(folder)}
         cache = str(folders.flights_of(folder).resolve())
         waiting = [
             Job(cell, sample, flight, {**planned.cells[cell], **drawn}, tables[cell], drawn, cache, planned.parts)
@@ -117,11 +122,12 @@ def _fly_all(
                 for number, result in ended:
                     job = waiting[number]
                     record = lost(job, result.reason) if isinstance(result, Lost) else result
+                    record = named(record, planned.axes, again)
                     append(record)
                     records[_key(record)] = record
         finally:
             executor.close()
-        metrics = _finish(planned, folder, records)
+        metrics = _finish(planned, folder, records, again)
         flight_cache.prune(folders.flights_of(folder), folders.begun(folder))
         return metrics
 
@@ -130,7 +136,9 @@ def _key(record: dict[str, Any]) -> tuple[int, int, int]:
     return record["cell"], record["sample"], record["flight"]
 
 
-def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], dict[str, Any]]) -> dict[str, Any]:
+def _finish(
+    planned: Study, folder: Path, records: dict[tuple[int, int, int], dict[str, Any]], again: Again
+) -> dict[str, Any]:
     """Sort the log and write what all flights show; every file is whole or the old one."""
     from sim.studies.page import page
 
@@ -143,12 +151,15 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
         "flights": len(ordered),
         "samples": planned.table.samples,
         "versions": versions(digests(planned.parts)),
-        **study_metrics(planned.axes, ordered, scenario.checks, scenario.contrasts),
+        **study_metrics(planned.axes, ordered, scenario.checks, again, scenario.contrasts),
     }
+    predicted, maps = predicted_figures(scenario, metrics["rows"]), ratio_maps(scenario, metrics)
+    metrics |= {"predicted": predicted} if predicted else {}
+    metrics |= {"answer": answer(scenario.contrasts[0], maps)} if scenario.contrasts else {}
     try:
         replace(folder / folders.LOG, "".join(lines))
         replace_json(folder / "metrics.json", metrics)
-        replace(folder / "report.html", page(scenario, metrics, ordered))
+        replace(folder / "report.html", page(scenario, metrics, ordered, again, maps))
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written: {error.strerror}; finished flights are kept") from None
     return metrics

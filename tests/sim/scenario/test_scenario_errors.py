@@ -58,7 +58,7 @@ def test_numbers_must_be_finite(value):
         ("aircraft", {"factors": {"lift_slope": 0.0}}, "factors.lift_slope must be a finite number above 0"),
         ("start", {"height_m": -5.0}, "a flight starts above the ground"),
         ("start", {"leg": 0, "phase": "base"}, "say 'phase' (pattern) or 'leg' (legs), not both"),
-        ("wind", {"turbulence": "strong"}, "'none', 'light', 'moderate' or 'severe'"),
+        ("wind", {"turbulence": "strong"}, "'none', 'light', 'moderate', 'severe' or 'by_wind'"),
         ("wind", {"turbulence": "light", "w20_kt": 20.0}, "say 'turbulence' or 'w20_kt', not both"),
         ("autopilot", {"bank_limit_deg": 90.0}, "bank_limit must be above 0 and at most 60 degrees"),
         ("autopilot", {"kind": "lateral_navigatoin"}, "did you mean 'lateral_navigation'?"),
