@@ -292,7 +292,7 @@ def follow(
     plots = measurements.z if measurements.candidates is None else measurements.candidates
     absurd: Any = np.abs(plots) > FARTHEST
     plots = np.where(absurd, np.nan, plots) if absurd.any() else plots
-    nothing = np.isnan(plots).all(axis=tuple(range(1, plots.ndim))).tolist()
+    nothing: Any = np.isnan(plots).all(axis=tuple(range(1, plots.ndim))).tolist()
     unusable: Any = absurd.any(axis=tuple(range(1, plots.ndim - batch)))  # (k, *B)
     told = unusable.any(axis=tuple(range(1, unusable.ndim))).tolist()
     for index in order.tolist():
