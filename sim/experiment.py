@@ -35,7 +35,7 @@ from sim.metrics.navigation import navigation_quality
 from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
-from sim.reporting.text.warnings import contrast_warnings, warnings
+from sim.reporting.text.warnings import contrast_warnings, skipped_looks, warnings
 from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.axes import samples
@@ -161,6 +161,7 @@ def run(
     told = [
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
+        *skipped_looks(found.tracks),
         *contrast_warnings(contrasts, trackers_found),
         *assumed_height.remarks(prepared, flown, before),
     ]

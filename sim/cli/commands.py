@@ -158,7 +158,7 @@ def _study(folder: Path, fly: Any, plugins: list[Path] | None) -> None:
 
     again = "".join(f" --plugin {file}" for file in plugins or ())
     try:
-        metrics = fly(progress=_progress())
+        metrics = fly(progress=_progress(), remark=lambda sentence: typer.echo(f"warning: {sentence}"))
     except KeyboardInterrupt as stop:
         typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}{again}", err=True)
         raise typer.Exit(stop_code(stop)) from None

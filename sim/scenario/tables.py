@@ -46,6 +46,10 @@ class Runway:
     heading: Annotated[float, "rad"] = 0.0
     glide_path: Annotated[float, "rad"] = math.radians(8.0 / 3.0)
     aiming_point: Annotated[float, "m"] = 300.0
+    # where a touchdown is a landing, past the threshold and off the centreline [CS AWO.A.ALS.106, from memory]
+    touchdown_from: Annotated[float, "m"] = 60.0
+    touchdown_to: Annotated[float, "m"] = 823.0
+    touchdown_aside: Annotated[float, "m"] = 21.0  # also how far off a roll-out leaves the runway
 
     def __post_init__(self) -> None:
         if not abs(self.latitude) <= math.radians(85):
@@ -53,7 +57,10 @@ class Runway:
         if not 0 < self.glide_path <= math.radians(10):
             raise ValueError("glide_path must be above 0 and at most 10 degrees")
         _within(self, -500.0, 9000.0, "m", "elevation")
-        _within(self, -FARTHEST, FARTHEST, "m", "aiming_point")
+        _within(self, -FARTHEST, FARTHEST, "m", "aiming_point", "touchdown_from", "touchdown_to")
+        _within(self, 1.0, FARTHEST, "m", "touchdown_aside")
+        if not self.touchdown_from < self.touchdown_to:
+            raise ValueError("touchdown_from must lie before touchdown_to")
 
     def to_local(self, past_threshold: Any, right: Any) -> tuple[Any, Any]:
         """(north, east) of a point given along and to the right of the runway, m."""

@@ -15,16 +15,17 @@ from sim.errors import OutputError
 from sim.files import claim, plain, replace
 from sim.reporting.text.broken_checks import Again, run_again
 from sim.scenario.plugins import FAMILIES, Catalogue, Part, digests
-from sim.versions import rows, versions
+from sim.versions import processor, rows, versions
 
 LOG, SCENARIO, IDENTITY = "flights.jsonl", "scenario.toml", "cache/identity.json"
 RESULTS = ("metrics.json", "report.html")
+PROCESSOR = "processor"  # of the identity: another is a remark, because it moves last digits only
 
 
 def identity(text: str, seed: int, parts: Iterable[Part] = ()) -> dict[str, Any]:
     """What decides the numbers of a study: its scenario file, its seed and the versions of all that computes."""
     scenario = hashlib.sha256(text.encode()).hexdigest()
-    return {"seed": seed, "scenario": scenario, "versions": versions(digests(parts))}
+    return {"seed": seed, "scenario": scenario, "versions": versions(digests(parts)), PROCESSOR: processor()}
 
 
 def open_study(folder: Path, text: str, seed: int, anew: bool = False, parts: Iterable[Part] = ()) -> None:
@@ -34,7 +35,7 @@ def open_study(folder: Path, text: str, seed: int, anew: bool = False, parts: It
     """
     mine = identity(text, seed, parts)
     begun = (folder / IDENTITY).is_file() and not anew
-    if begun and (theirs := _identity_of(folder)) != mine:
+    if begun and _deciding(theirs := _identity_of(folder)) != _deciding(mine):
         raise OutputError(f"{folder}: holds {_difference(theirs, mine)}; choose another folder with -o, or --anew")
     claim(folder, "study")
     with _write_errors(folder):
@@ -82,8 +83,24 @@ def check_parts(folder: Path, catalogue: Catalogue) -> None:
 def check_study(folder: Path, seed: int, anyway: bool = False, parts: Iterable[Part] = ()) -> None:
     """Refuse to go on with a study begun with other versions, unless ``anyway``."""
     theirs, mine = _identity_of(folder), identity(read_scenario(folder), seed, parts)
-    if theirs != mine and not anyway:
+    if _deciding(theirs) != _deciding(mine) and not anyway:
         raise OutputError(f"{folder}: holds {_difference(theirs, mine)}; resume it with --anyway to go on all the same")
+
+
+def another_processor(folder: Path) -> str | None:
+    """What to know of a study that was begun on another kind of processor; None = nothing."""
+    theirs = _identity_of(folder).get(PROCESSOR, processor())
+    if theirs == processor():
+        return None
+    return (
+        f"{folder}: was begun on another kind of processor ({theirs}; here {processor()}): "
+        "its flights and those flown here may differ in their last digits"
+    )
+
+
+def _deciding(identity: dict[str, Any]) -> dict[str, Any]:
+    """What of an identity must be the same to go on."""
+    return {name: value for name, value in identity.items() if name != PROCESSOR}
 
 
 def read_scenario(folder: Path) -> str:

@@ -43,10 +43,12 @@ def study(
     anew: bool = False,
     workers: int = 1,
     progress: Callable[..., Any] | None = None,
+    remark: Callable[[str], None] | None = None,
 ) -> dict[str, Any]:
     """Fly a study into a folder, going on with what the folder already has of it; returns its metrics.
 
     ``plugins`` bring kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``.
+    ``remark`` is called with what is to be known before anything flies.
 
     Raises ``ScenarioError`` and ``OutputError`` before anything is written, ``OutputError`` when the disk fills.
     """
@@ -57,6 +59,7 @@ def study(
     tables = designed_cells(planned)
     _refuse_too_much(planned, folder, workers)
     folders.open_study(folder, text, scenario.seed, anew, planned.parts)
+    _say(remark, folders.another_processor(folder))
     return _fly_all(planned, tables, folder, executor, progress)
 
 
@@ -68,6 +71,7 @@ def resume(
     anyway: bool = False,
     workers: int = 1,
     progress: Callable[..., Any] | None = None,
+    remark: Callable[[str], None] | None = None,
 ) -> dict[str, Any]:
     """Go on with the study of a folder; its metrics are those of a study that was never interrupted.
 
@@ -77,9 +81,15 @@ def resume(
     folders.check_parts(folder, catalogue)
     planned = plan(read_text(text, catalogue), catalogue)
     folders.check_study(folder, planned.scenario.seed, anyway, planned.parts)
+    _say(remark, folders.another_processor(folder))
     tables = designed_cells(planned)
     _refuse_too_much(planned, folder, workers)
     return _fly_all(planned, tables, folder, executor, progress)
+
+
+def _say(remark: Callable[[str], None] | None, sentence: str | None) -> None:
+    if remark is not None and sentence is not None:
+        remark(sentence)
 
 
 def _refuse_too_much(planned: Study, folder: Path, workers: int) -> None:

@@ -136,10 +136,10 @@ class ClusterExecutor:
 @functools.cache
 def numerics() -> dict[str, str]:
     """What a machine must have in common with another to compute the same bytes."""
-    from sim.versions import versions
+    from sim.versions import processor, versions
 
     found = {name: version for name, version in versions().items() if name != "platform"}
-    return {**found, "machine": platform.machine(), "libc": "-".join(platform.libc_ver())}
+    return {**found, "machine": platform.machine(), "processor": processor(), "libc": "-".join(platform.libc_ver())}
 
 
 def _run(expected: dict[str, str], function: Callable[..., Any], *arguments: Any) -> Any:
