@@ -105,13 +105,18 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
     ours = bundled.bundled(str(source))
     origin = str(path) if ours is None else f"{source}.toml"
     content = _content(path, str(source)) if ours is None else ours.read_bytes()
+    tables = parsed(origin, content)
+    if not tables:
+        raise ScenarioError(f"{origin}: says nothing; 'shortfinal new FILE.toml' writes a scenario to start from")
+    return origin, {"name": path.name.removesuffix(".toml").removesuffix(".scenario"), **tables}
+
+
+def parsed(origin: str, content: bytes) -> dict[str, Any]:
+    """The tables of a file, which may be anybody's; raises ``ScenarioError`` in one sentence."""
     if max(piece.count(b".") for piece in re.split(rb"[=,\[\]{}\n]", content)) > DEEPEST:
         raise ScenarioError(f"{origin}: not TOML: nested too deeply")
     try:
-        return origin, {
-            "name": path.name.removesuffix(".toml").removesuffix(".scenario"),
-            **tomllib.loads(content.decode("utf-8-sig")),
-        }
+        return tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError:
         raise ScenarioError(f"{origin}: not UTF-8 text; save the file as UTF-8") from None
     except RecursionError:

@@ -14,13 +14,13 @@ from typing import Any
 
 from sim.errors import OutputError
 from sim.experiment import read
-from sim.files import replace, replace_json
+from sim.files import plain, replace, replace_json
 from sim.scenario.budget import refuse_workers
 from sim.scenario.plugins import catalogue_with, digests
 from sim.scenario.toml_writer import dumps
-from sim.studies import flight_cache
 from sim.studies import folder as folders
 from sim.studies.job import Job, fly, lost
+from sim.studies.kept import flight_cache, flight_log
 from sim.studies.metrics import study_metrics
 from sim.studies.plan import Study, designed_cells, plan, read_text
 from sim.versions import versions
@@ -39,21 +39,23 @@ def study(
     anew: bool = False,
     workers: int = 1,
     progress: Callable[..., Any] | None = None,
+    remark: Callable[[str], None] | None = None,
 ) -> dict[str, Any]:
     """Fly a study into a folder, going on with what the folder already has of it; returns its metrics.
 
     ``plugins`` bring kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``.
+    ``remark`` is called with a sentence about lines of the folder's log that had to be left out.
 
     Raises ``ScenarioError`` and ``OutputError`` before anything is written, ``OutputError`` when the disk fills.
     """
     catalogue = catalogue_with(plugins)
     scenario = read(source, overrides, plugins=catalogue)
     text = dumps(scenario.tables)
-    planned = plan(read_text(text, catalogue), catalogue)
+    planned = plan(read_text(text.encode(), catalogue), catalogue)
     tables = designed_cells(planned)
     _refuse_too_much(planned, folder, workers)
     folders.open_study(folder, text, scenario.seed, anew, planned.parts)
-    return _fly_all(planned, tables, folder, executor, progress)
+    return _fly_all(planned, tables, folder, executor, progress, remark)
 
 
 def resume(
@@ -64,10 +66,12 @@ def resume(
     anyway: bool = False,
     workers: int = 1,
     progress: Callable[..., Any] | None = None,
+    remark: Callable[[str], None] | None = None,
 ) -> dict[str, Any]:
     """Go on with the study of a folder; its metrics are those of a study that was never interrupted.
 
-    ``plugins`` bring the same parts from outside again: a folder holds no code.
+    ``plugins`` bring the same parts from outside again: a folder holds no code. ``remark`` is called with a sentence
+    about lines of the folder's log that had to be left out.
     """
     text, catalogue = folders.read_scenario(folder), catalogue_with(plugins)
     folders.check_parts(folder, catalogue)
@@ -75,7 +79,7 @@ def resume(
     folders.check_study(folder, planned.scenario.seed, anyway, planned.parts)
     tables = designed_cells(planned)
     _refuse_too_much(planned, folder, workers)
-    return _fly_all(planned, tables, folder, executor, progress)
+    return _fly_all(planned, tables, folder, executor, progress, remark)
 
 
 def _refuse_too_much(planned: Study, folder: Path, workers: int) -> None:
@@ -96,10 +100,11 @@ def _fly_all(
     folder: Path,
     executor: Executor,
     progress: Callable[..., Any] | None,
+    remark: Callable[[str], None] | None,
 ) -> dict[str, Any]:
     with folders.locked(folder):
-        folders.mend_log(folder)
-        records = {_key(record): record for record in folders.read_log(folder)}
+        stamp = folders.stamp(folder)
+        records = _finished(planned, folder, stamp, remark)
         cache = str(folders.flights_of(folder).resolve())
         waiting = [
             Job(cell, sample, flight, {**planned.cells[cell], **drawn}, tables[cell], drawn, cache, planned.parts)
@@ -113,29 +118,44 @@ def _fly_all(
         if progress is not None and waiting:
             ended = progress(ended, len(waiting), "flights")
         try:
-            with folders.appending(folder) as append:
+            with flight_log.appending(folder, stamp) as append:
                 for number, result in ended:
                     job = waiting[number]
                     record = lost(job, result.reason) if isinstance(result, Lost) else result
                     append(record)
-                    records[_key(record)] = record
+                    records[flight_log.place_of(record)] = record
         finally:
             executor.close()
-        metrics = _finish(planned, folder, records)
+        metrics = _finish(planned, folder, records, stamp)
         flight_cache.prune(folders.flights_of(folder), folders.begun(folder))
         return metrics
 
 
-def _key(record: dict[str, Any]) -> tuple[int, int, int]:
-    return record["cell"], record["sample"], record["flight"]
+def _finished(
+    planned: Study, folder: Path, stamp: str, remark: Callable[[str], None] | None
+) -> dict[flight_log.Place, dict[str, Any]]:
+    """The records that the log has of flights of this study; what else it has is taken out, with a remark."""
+    values = {
+        (cell, sample, flight): {**planned.cells[cell], **planned.samples[sample]}
+        for cell, sample, flight in planned.numbers()
+    }
+    log = flight_log.read(folder, stamp, flight_log.Planned(values, len(planned.scenario.checks)))
+    with flight_log.write_errors(folder):
+        if (folder / flight_log.LOG).exists():
+            flight_log.rewrite(folder, stamp, log.records)  # a file of its own, whatever other names the old one has
+    if log.faults and remark is not None:
+        count = "one line is" if len(log.faults) == 1 else f"{len(log.faults)} lines are"
+        remark(f"{folder / flight_log.LOG}: {count} left out ({log.faults[0]}); what is missing is flown again")
+    return log.records
 
 
-def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], dict[str, Any]]) -> dict[str, Any]:
+def _finish(
+    planned: Study, folder: Path, records: dict[flight_log.Place, dict[str, Any]], stamp: str
+) -> dict[str, Any]:
     """Sort the log and write what all flights show; every file is whole or the old one."""
     from sim.studies.page import page
 
-    lines = [folders.line(records[key]) for key in sorted(records)]
-    ordered = [json.loads(line) for line in lines]  # as a resumed study reads them
+    ordered = [json.loads(json.dumps(plain(records[place]), sort_keys=True)) for place in sorted(records)]  # as resumed
     scenario = planned.scenario
     metrics = {
         "scenario": scenario.name,
@@ -146,7 +166,7 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
         **study_metrics(planned.axes, ordered, scenario.checks, scenario.contrasts),
     }
     try:
-        replace(folder / folders.LOG, "".join(lines))
+        flight_log.rewrite(folder, stamp, records)
         replace_json(folder / "metrics.json", metrics)
         replace(folder / "report.html", page(scenario, metrics, ordered))
     except OSError as error:

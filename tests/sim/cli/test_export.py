@@ -12,6 +12,8 @@ import pytest
 from sim.cli.export import export
 from sim.errors import OutputError
 from sim.files import MARK, write_npz
+from sim.studies.folder import identity, stamp
+from sim.studies.kept.flight_log import line
 
 TIME = np.array((0.0, 1 / 30, 2 / 30))
 Z = np.arange(12.0).reshape(3, 2, 2) / 7  # epochs, channels, draws
@@ -140,16 +142,17 @@ def test_parquet_without_pyarrow_is_one_sentence(run_folder, monkeypatch):
 def test_a_study_has_a_row_for_each_flight(tmp_path):
     (tmp_path / MARK).write_text("")
     (tmp_path / "cache").mkdir()
-    (tmp_path / "cache/identity.json").write_text("{}")
+    (tmp_path / "cache/identity.json").write_text(json.dumps(identity("", 1)))
     log = tmp_path / "flights.jsonl"
 
-    def record(cell, speed, **metrics):
-        return {"cell": cell, "sample": 0, "flight": 0, "values": {"wind.speed_mps": speed}, "metrics": metrics}
+    def written(cell, speed, **metrics):
+        place = {"cell": cell, "sample": 0, "flight": 0, "values": {"wind.speed_mps": speed}}
+        return line({**place, "metrics": metrics, "checks": []}, stamp(tmp_path))
 
-    landed = record(1, 5.0, outcome="landed", touchdown={"sink_mps": 0.7}, overshoot_m=3.0)
-    crashed = record(0, 0.0, outcome="crashed", reason="no worker")
+    landed = written(1, 5.0, outcome="landed", reason="", touchdown={"sink_mps": 0.7}, overshoot_m=3.0)
+    crashed = written(0, 0.0, outcome="crashed", reason="no worker")
     torn = '{"cell": 2, "samp'
-    log.write_text(f"{json.dumps(landed)}\n{json.dumps(crashed)}\n{torn}")
+    log.write_text(f"{landed}{crashed}{torn}")
     export(tmp_path, "csv")
     assert (tmp_path / "flights.csv").read_text().splitlines() == [
         "cell,sample,flight,wind.speed_mps,outcome,touchdown.sink_mps,overshoot_m",
