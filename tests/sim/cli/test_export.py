@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import sys
 
 import numpy as np
@@ -155,9 +156,9 @@ def test_a_study_has_a_row_for_each_flight(tmp_path):
     log.write_text(f"{landed}{crashed}{torn}")
     export(tmp_path, "csv")
     assert (tmp_path / "flights.csv").read_text().splitlines() == [
-        "cell,sample,flight,wind.speed_mps,outcome,touchdown.sink_mps,overshoot_m",
+        "cell,sample,flight,wind.speed_mps,outcome,overshoot_m,touchdown.sink_mps",
         "0,0,0,0.0,crashed,,",
-        "1,0,0,5.0,landed,0.7,3.0",
+        "1,0,0,5.0,landed,3.0,0.7",
     ]
     assert log.read_text().endswith(torn)  # it may be on its way
     log.write_text("")
@@ -200,9 +201,40 @@ def damage_version(folder):
     (folder / "flight.npz").write_bytes(data)
 
 
+def damage_shapes(folder):
+    np.savez(folder / "flight.npz", time_s=np.array(1.0))
+
+
+def damage_names(folder):
+    np.savez(folder / "tracks.npz", **{"../../theirs.time_s": np.zeros(2)})
+
+
+def damage_link(folder):
+    (folder / "flight.csv").symlink_to(folder.parent / "theirs")
+
+
+def damage_pipe(folder):
+    (folder / "flight.npz").unlink()
+    os.mkfifo(folder / "flight.npz")
+
+
+def damage_figures(folder):
+    (folder / "metrics.json").write_text('{"contrasts": [{"of": 1}]}')
+
+
+def damage_metrics(folder):
+    (folder / "metrics.json").write_text("[" * 100_000)
+
+
 @pytest.mark.parametrize(
     ("damage", "said"),
     [
+        (damage_shapes, r"flight\.npz: damaged"),
+        (damage_names, r"tracks\.npz: damaged"),
+        (damage_link, r"flight\.csv in it is a link"),
+        (damage_pipe, r"flight\.npz in it is neither a file nor a folder"),
+        (damage_figures, r"metrics\.json: damaged"),
+        (damage_metrics, r"metrics\.json: damaged"),
         (damage_nothing, "not a run folder"),
         (damage_missing, r"tracks\.npz: missing"),
         (damage_truncated, r"measurements\.npz: damaged"),
