@@ -146,7 +146,7 @@ def _content(path: Path, source: str) -> bytes:
 
 def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_checks: list[str]) -> Scenario:
     faults: list[str] = []
-    model = file_model(parts_of(tables, faults, catalogue))
+    model = file_model(**parts_of(tables, faults, catalogue))
     try:
         model.model_validate(tables)
     except ValidationError as error:
@@ -370,10 +370,7 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
 
 def _completed(instance: Any, given: dict[str, Any]) -> dict[str, Any]:
     table: dict[str, Any] = {}
-    defaults = dump(instance)
     for parameter in parameters(type(instance)):
-        used = [key for key in parameter.keys if key in given]
-        key = used[0] if used else next(iter(parameter.keys))
-        if used or key in defaults:
-            table[key] = given[key] if used else defaults[key]
+        key = next((key for key in parameter.keys if key in given), None)
+        table |= dump(instance, parameter) if key is None else {key: given[key]}
     return table

@@ -80,11 +80,11 @@ def _faults(
     if size > LARGEST_STUDY:
         much = f"[study] {size} flights are more than the budget of {LARGEST_STUDY}; take fewer values or samples"
         return [much], ()
-    faults, parts = [], {*scenario.parts}
+    faults, parts, base = [], {*scenario.parts}, _flown_tables(scenario)
     for one in axes:
         for value in one.values if isinstance(one, Listed) else (one.first,):
             try:
-                tables = with_values(_flown_tables(scenario), {one.address: value})
+                tables = with_values(base, {one.address: value})
                 parts |= {*read(tables, plugins=catalogue).parts}
             except ScenarioError as error:
                 faults += [f'[study] axes "{one.address}": {_said(line)}' for line in str(error).splitlines()]
