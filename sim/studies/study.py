@@ -24,7 +24,7 @@ from sim.studies.kept import flight_cache, flight_log
 from sim.studies.metrics import study_metrics
 from sim.studies.plan import Study, designed_cells, plan, read_text
 from sim.versions import versions
-from sim.workers.executors import Executor, Lost
+from sim.workers.executors import Executor, Lost, refuse_small_limit
 
 RECORD_SIZE = 20_000  # bytes of one flight in the log, at most about
 
@@ -85,6 +85,8 @@ def resume(
 def _refuse_too_much(planned: Study, folder: Path, workers: int) -> None:
     """Memory and disk that the study needs, before it starts."""
     refuse_workers(workers)
+    if workers:
+        refuse_small_limit()
     place = next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), Path("."))
     free, needed = shutil.disk_usage(place).free, planned.flights * RECORD_SIZE
     if needed > free:
