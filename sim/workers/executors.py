@@ -18,6 +18,7 @@ from typing import Any, NamedTuple, Protocol
 
 from sim.errors import OutputError
 from sim.workers.blas import THREADS
+from sim.workers.partners import LOOK, Watch
 
 ATTEMPTS = 3  # a flight whose worker aborts as often is at fault itself
 KILLS = 30  # a worker that is killed from outside is not its flight's fault, unless it happens this often
@@ -115,10 +116,13 @@ class LocalExecutor:
 
     def finished(self) -> Iterator[tuple[int, Any]]:
         """Results as they end."""
+        stopped = Watch()
         while self._waiting and len(self._running) < self.workers:
             self._start(self._pool())
         while self._running:
-            done, pending = wait(self._running, timeout=1.0, return_when=FIRST_COMPLETED)
+            done, pending = wait(self._running, timeout=LOOK, return_when=FIRST_COMPLETED)
+            if not done:
+                stopped.look(child.pid for child in multiprocessing.active_children() if child.pid is not None)
             for future in done | {future for future in pending if not self._running[future][0].active}:
                 pool, job = self._running.pop(future)
                 ended, alive = self._ending(job, future)
