@@ -7,6 +7,7 @@ pytest-xdist, ``--dist loadfile`` keeps the checks of a file in one.
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import shutil
@@ -226,25 +227,22 @@ def _kept(item: pytest.Item, result: Any, folder: Path) -> str:
 
     places = item.session.stash.setdefault(KEPT, {})
     if id(result) not in places:
-        taken = sum(other.scenario.name == result.scenario.name for other, _ in places.values())
+        worker = os.environ.get("PYTEST_XDIST_WORKER")  # each writes its own
+        name = f"{result.scenario.name}-{worker}" if worker else result.scenario.name
+        names = itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2)))
+        taken = [place.name for _, place in places.values()]
         try:
-            places[id(result)] = result, keep(result, folder, f"-{taken + 1}" if taken else "")
+            places[id(result)] = result, keep(result, folder / next(one for one in names if one not in taken))
         except (OutputError, ScenarioError, OSError) as error:
             return f"no report: {error}"
     return f"report: {places[id(result)][1] / 'report.html'}"
 
 
-def keep(result: Any, folder: Path, number: str = "") -> Path:
-    """Write the folder of a run or a study, named after its scenario; each xdist worker writes its own.
-
-    ``number`` tells it from others of one name.
-    """
+def keep(result: Any, place: Path) -> Path:
+    """Write the folder of a run or a study."""
     from sim.experiment import report
     from sim.files import claim, staged, write_json
 
-    worker = os.environ.get("PYTEST_XDIST_WORKER")
-    name = f"{result.scenario.name}{number}"
-    place = folder / (f"{name}-{worker}" if worker else name)
     if isinstance(result, Judged):
         claim(place, "study")
         shutil.copytree(result.folder, place, dirs_exist_ok=True)
