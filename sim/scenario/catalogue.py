@@ -15,6 +15,7 @@ from types import ModuleType
 from typing import Any
 
 from sim.errors import ScenarioError
+from sim.scenario.parameters import cached
 
 FOLDERS = {
     "sensors": ("sim.observation.sensors", "step"),
@@ -63,7 +64,7 @@ def load(family: str, kind: str) -> type[Any]:
     return _class_in(module, family, method)
 
 
-@functools.lru_cache(maxsize=256)
+@cached
 def _class_in(module: ModuleType, family: str, method: str) -> type[Any]:
     found = [
         thing
@@ -80,7 +81,7 @@ def _class_in(module: ModuleType, family: str, method: str) -> type[Any]:
     return completed(family, found[0]) if family in CONTRACTS else found[0]
 
 
-@functools.lru_cache(maxsize=256)
+@cached
 def completed(family: str, cls: type[Any]) -> type[Any]:
     """The class with the members of its family that it may leave out, each as the contract's ``DEFAULTS`` have it."""
     own = {*own_members(cls), *getattr(cls, "__dataclass_fields__", ())}

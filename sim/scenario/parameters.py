@@ -28,7 +28,7 @@ INDICATED = "indicated"  # after the unit of a true airspeed; before an undersco
 MOST = 10**9  # of whole numbers, either way
 
 
-def _cached(function: Callable[P, R]) -> Callable[P, R]:
+def cached(function: Callable[P, R]) -> Callable[P, R]:
     """The function with its results kept; to type checkers ``functools.cache`` would forget what it takes."""
     return typing.cast(Callable[P, R], functools.cache(function))
 
@@ -57,7 +57,7 @@ class Parameter:
         return spellings(f"{INDICATED}_{self.name}", self.unit) if self.is_airspeed and self.unit else {}
 
 
-@_cached
+@cached
 def parameters(cls: type) -> tuple[Parameter, ...]:
     """The fields of ``cls`` that a file may set."""
     hints = typing.get_type_hints(cls, include_extras=True)
@@ -77,7 +77,7 @@ def parameters(cls: type) -> tuple[Parameter, ...]:
     return tuple(found)
 
 
-@_cached
+@cached
 def _finite(unit: str | None, factor: float) -> Any:
     """A strict number of a size that something real has; ``factor`` is that of a key to the SI unit."""
     least, most = (float(f"{size / factor:.3g}") for size in (PLAIN if unit is None else MAGNITUDES[unit]))
@@ -112,7 +112,7 @@ def _numbers(hint: Any, unit: str | None, factor: float = 1.0) -> Any:
     return hint
 
 
-@_cached
+@cached
 def model_of(
     cls: type,
     kind: str | None = None,
@@ -211,7 +211,7 @@ def given_values(cls: type, table: dict[str, Any], true_share: TrueShare | None 
     return found
 
 
-@_cached
+@cached
 def _keys(cls: type) -> dict[str, tuple[Parameter, float]]:
     """Every key of a class, with what it sets and its factor to SI."""
     return {key: (one, factor) for one in parameters(cls) for key, factor in one.keys.items()}
@@ -231,7 +231,7 @@ def _to_si(hint: Any, value: Any, factor: float, true_share: TrueShare | None) -
     return float(value) * factor
 
 
-@_cached
+@cached
 def _nested(hint: Any) -> type | None:
     for candidate in (hint, *typing.get_args(hint)):
         if dataclasses.is_dataclass(candidate) and isinstance(candidate, type):
