@@ -14,8 +14,9 @@ import socket
 import numpy as np
 import pytest
 
-from sim import files
+from sim import claims, files
 from sim.claims import row_cache
+from sim.claims.ledger import Claim, Measured, Reading, Row, exactly
 from sim.cli.export import export
 from sim.errors import OutputError, ScenarioError
 from sim.flight.preparation import prepare
@@ -432,6 +433,20 @@ def test_a_row_that_was_changed_is_measured_again(tmp_path, change):
     change(line)
     file.write_text(json.dumps(line))
     assert row_cache.load_rows(tmp_path, "now") == {}
+
+
+def test_a_row_of_other_readings_is_measured_again(tmp_path, monkeypatch):
+    """And so is a claim without any reading, of which nothing is kept."""
+    reading = Reading("as printed", lambda seed, runs: exactly(2.0))
+    made = tuple(Claim(name, "", "", None, readings) for name, readings in (("a", (reading,)), ("b", ())))
+    monkeypatch.setattr(claims, "chosen", lambda papers: ("p",))
+    monkeypatch.setattr(claims, "claims_of", lambda paper: made)
+    rows = claims.measured(folder=tmp_path)
+    assert [[one.value for one in row.measured] for row in rows] == [[2.0], []]
+    (tmp_path / row_cache.FILE).unlink()
+    mark = row_cache.stamp(claims.SEED, False)
+    row_cache.add_row(tmp_path, mark, Row("p", made[0], claims.SEED, (Measured("another", 3.0, 3.0, 3.0, 1),)))
+    assert claims.measured(folder=tmp_path)[0].measured[0].value == 2.0
 
 
 @pytest.mark.parametrize("text", ["[" * 100_000, "9" * 5000, "null", "[]", '{"digest": 1}'])
