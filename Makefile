@@ -17,7 +17,7 @@ help:
 	@echo "make densities   search the process noise of every tracker and renew docs/densities.md"
 	@echo "make fleet       fly every stock aircraft of JSBSim and renew the table of list --aircraft"
 	@echo "make bench       measure speed, as ratios within one run"
-	@echo "make soak        kill workers and parents of studies and compare what is left"
+	@echo "make soak        kill workers and parents of studies, interrupt all commands, compare what is left"
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "shortfinal needs Python 3.11 or newer")'
@@ -81,6 +81,7 @@ bench: .venv/ready
 
 soak: .venv/ready
 	$(BIN)/python -m tests.soak.soak
+	$(BIN)/python -m tests.soak.interrupts
 
 clean:
 	rm -rf .venv out build dist

@@ -45,7 +45,7 @@ from sim.scenario.plugins import Catalogue, Part, catalogue_with, digests, load_
 from sim.scenario.tables import Check
 from sim.scenario.toml_writer import dumps
 from sim.versions import versions
-from sim.workers.executors import FLIGHT_TIME_LIMIT, LocalExecutor, Lost
+from sim.workers.executors import FLIGHT_TIME_LIMIT, LocalExecutor, Lost, refuse_small_limit
 from sim.workers.isolation import run_isolated
 from sim.workers.sharing import helper
 
@@ -261,6 +261,7 @@ def _elsewhere(
 ) -> Iterator[tuple[int, Any]]:
     """Number and record of flights, or ``Lost``, as worker processes end them."""
     tables = {**prepared.scenario.tables, "designed": prepared.gains.to_table(), "study": None}
+    refuse_small_limit()
     executor = LocalExecutor(min(workers, len(numbers)))
     try:
         for number in numbers:

@@ -156,9 +156,12 @@ def _study(folder: Path, fly: Any, plugins: list[Path] | None) -> None:
     from sim.cli.run_summary import study_summary
     from sim.reporting.text.broken_checks import run_again
 
+    def remark(sentence: str) -> None:
+        typer.echo(f"warning: {printable(sentence)}")
+
     again = "".join(f" --plugin {file}" for file in plugins or ())
     try:
-        metrics = fly(progress=_progress(), remark=lambda sentence: typer.echo(f"warning: {sentence}"))
+        metrics = fly(progress=_progress(), remark=remark)
     except KeyboardInterrupt as stop:
         typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}{again}", err=True)
         raise typer.Exit(stop_code(stop)) from None

@@ -18,11 +18,13 @@ from typing import Any, NamedTuple, Protocol
 
 from sim.errors import OutputError
 from sim.workers.blas import THREADS
+from sim.workers.partners import LOOK, Watch
 
 ATTEMPTS = 3  # a flight whose worker aborts as often is at fault itself
 KILLS = 30  # a worker that is killed from outside is not its flight's fault, unless it happens this often
 FLIGHT_TIME_LIMIT = 600.0  # s; the longest flight of 1800 s takes a small part of it
 MEMORY_LIMIT = 4 << 30  # bytes of address space of one worker
+LEAST_MEMORY = 600 << 20  # in which flights with a few trackers fit; measured: 500 MB are enough for the bundled ones
 
 
 class Lost(NamedTuple):
@@ -47,6 +49,25 @@ class Executor(Protocol):
         ...
 
 
+def limit_here(wanted: int) -> int:
+    """Bytes of address space that a worker can have: as many as are wanted, or as this machine allows a process."""
+    try:
+        import resource
+    except ImportError:  # not a Unix
+        return wanted
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    return wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+
+
+def refuse_small_limit() -> None:
+    """Raise ``OutputError`` where no worker can fly within the limit that this machine sets to a process."""
+    if (limit := limit_here(MEMORY_LIMIT)) < LEAST_MEMORY:
+        raise OutputError(
+            f"a process may have {limit >> 20} MB of memory here (ulimit -v), and a worker needs at least "
+            f"{LEAST_MEMORY >> 20} MB; raise that limit"
+        )
+
+
 def prepare_worker(memory_limit: int | None) -> None:
     """What every worker does first: leave Ctrl-C to the parent, and limit memory where a limit is given."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -57,7 +78,7 @@ def prepare_worker(memory_limit: int | None) -> None:
     except ImportError:  # not a Unix
         return
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    resource.setrlimit(resource.RLIMIT_AS, (memory_limit, hard))
+    resource.setrlimit(resource.RLIMIT_AS, (limit_here(memory_limit), hard))
     resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))  # no core file
 
 
@@ -95,10 +116,13 @@ class LocalExecutor:
 
     def finished(self) -> Iterator[tuple[int, Any]]:
         """Results as they end."""
+        stopped = Watch()
         while self._waiting and len(self._running) < self.workers:
             self._start(self._pool())
         while self._running:
-            done, pending = wait(self._running, timeout=1.0, return_when=FIRST_COMPLETED)
+            done, pending = wait(self._running, timeout=LOOK, return_when=FIRST_COMPLETED)
+            if not done:
+                stopped.look(child.pid for child in multiprocessing.active_children() if child.pid is not None)
             for future in done | {future for future in pending if not self._running[future][0].active}:
                 pool, job = self._running.pop(future)
                 ended, alive = self._ending(job, future)
@@ -159,6 +183,11 @@ class LocalExecutor:
         except OutputError:  # about this machine, not about the flight
             raise
         except MemoryError:
+            if (limit := limit_here(self.memory_limit)) < self.memory_limit:  # about this machine, too
+                raise OutputError(
+                    f"a flight needs more than the {limit >> 20} MB of memory that a process may have here "
+                    f"(ulimit -v); raise that limit; finished flights are kept"
+                ) from None
             return Lost(f"out of memory ({self.memory_limit >> 20} MB for each worker)"), True
         except Exception as error:
             return Lost(f"{type(error).__name__}: {error}"), True

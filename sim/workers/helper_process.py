@@ -20,6 +20,7 @@ from typing import Any
 
 from sim.workers.blas import THREADS
 from sim.workers.executors import prepare_worker
+from sim.workers.partners import watch
 
 MARK = "SHORTFINAL_HELPER"  # set in a helper's environment
 START = "import sys; sys.path[:] = {path!r}; from sim.workers.helper_process import serve; serve({limit!r})"
@@ -52,6 +53,7 @@ class HelperProcess:
             stderr=subprocess.DEVNULL if risky else None,
             env={**dict.fromkeys(THREADS, "1"), **os.environ, **temporary, MARK: "1"},
         )
+        watch(self.process)
 
     def call(self, function: Callable[..., Any], *arguments: Any, time_limit: float | None = None) -> Any:
         """``function(*arguments)`` in the helper; raises what it raises, or ``Lost`` when the helper has ended."""

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from sim.errors import ScenarioError
 from sim.scenario.plugins import carried
-from sim.workers.executors import MEMORY_LIMIT
+from sim.workers.executors import MEMORY_LIMIT, limit_here, refuse_small_limit
 from sim.workers.helper_process import HelperProcess, Lost, is_helper
 
 KINEMATICS = "point_mass"
@@ -40,7 +40,9 @@ def run_isolated(scenario: Any, time_limit: float, function: Callable[..., T], *
     except Lost as lost:
         how = f"gives no answer for {time_limit:g} s" if lost.late else f"aborts the simulation ({lost.ending})"
     except MemoryError:
-        raise ScenarioError(f"the model needs more than {MEMORY_LIMIT >> 20} MB of memory") from None
+        limit = limit_here(MEMORY_LIMIT)
+        whose = ", and a process may not have more here (ulimit -v)" if limit < MEMORY_LIMIT else ""
+        raise ScenarioError(f"the model needs more than {limit >> 20} MB of memory{whose}") from None
     except _NoProcess as error:
         how = f"needs a process of its own, which cannot be started: {error}"
     raise ScenarioError(f"{scenario.name}: [aircraft] the model '{model}' {how}; it cannot be flown")
@@ -76,6 +78,7 @@ def _asked(time_limit: float, function: Callable[..., T], *arguments: Any) -> T:
 
 
 def _started() -> HelperProcess:
+    refuse_small_limit()
     try:
         return HelperProcess(MEMORY_LIMIT)
     except OSError as error:

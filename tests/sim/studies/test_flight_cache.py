@@ -12,9 +12,9 @@ import pytest
 from sim import experiment
 from sim.flight.preparation import prepare
 from sim.scenario.reading import read
-from sim.studies import flight_cache
 from sim.studies import study as studies
 from sim.studies.job import Job, fly
+from sim.studies.kept import flight_cache
 from tests.capture import CAPTURE
 
 TABLES = {

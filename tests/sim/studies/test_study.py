@@ -286,7 +286,7 @@ def test_another_version_goes_on_only_when_told(tmp_path):
 def test_a_broken_identity_is_no_identity(tmp_path, found):
     fly(tmp_path, line({"wind.speed_mps": [0.0]}, until_s=1.0))
     (tmp_path / "cache/identity.json").write_text(found)
-    with pytest.raises(OutputError, match=r"is no study folder: it has no cache/identity\.json"):
+    with pytest.raises(OutputError, match=r"is no study folder: its cache/identity\.json is damaged"):
         studies.resume(tmp_path, Inline())
 
 
