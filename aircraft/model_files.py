@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import difflib
 import hashlib
-import itertools
+import io
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -112,12 +112,11 @@ def _as_path(path: Path) -> str:
 def _is_aircraft(path: Path) -> bool:
     if not is_file(path):
         return False
-    parser = ElementTree.XMLPullParser(("start",))
     try:
         with path.open("rb") as file:
-            parser.feed(file.read(HEAD))
-        return any(element.tag == "fdm_config" for _, element in itertools.islice(parser.read_events(), 1))
-    except (OSError, ElementTree.ParseError, LookupError, ValueError):
+            head = io.BytesIO(file.read(HEAD))
+        return bool(next(ElementTree.iterparse(head, ("start",)))[1].tag == "fdm_config")
+    except (OSError, ElementTree.ParseError, LookupError, ValueError, StopIteration):
         return False
 
 

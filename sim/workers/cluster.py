@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 from sim.errors import OutputError
-from sim.workers.executors import FLIGHT_TIME_LIMIT, Job, Lost
+from sim.workers.executors import CLOCK_FACTOR, FLIGHT_TIME_LIMIT, Job, Lost
 
 ANSWER = 5.0  # s; a scheduler that listens answers at once
 PATIENCE = 60.0  # s without any worker; one that was killed is back by then, where somebody restarts it
@@ -45,7 +45,7 @@ class ClusterExecutor:
 
     client: Any
     address: str
-    time_limit: float = FLIGHT_TIME_LIMIT
+    time_limit: float = CLOCK_FACTOR * FLIGHT_TIME_LIMIT  # s on the clock: the workers belong to others
     _waiting: deque[Job] = field(default_factory=deque, repr=False)
     _running: dict[Any, tuple[Job, float]] = field(default_factory=dict, repr=False)
 
