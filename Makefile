@@ -14,6 +14,7 @@ help:
 	@echo "make uses        run what README and docs show and renew transcripts and figures"
 	@echo "make extending   renew the files that docs/extending.md quotes"
 	@echo "make fleet       fly every stock aircraft of JSBSim and renew the table of list --aircraft"
+	@echo "                 with ROOT=DIR fly every aircraft of a folder of others into out/fleet.toml"
 	@echo "make bench       measure speed, as ratios within one run"
 	@echo "make soak        kill workers and parents of studies and compare what is left"
 
@@ -47,7 +48,7 @@ extending: .venv/ready
 	$(BIN)/python tests/docs/extending.py
 
 fleet: .venv/ready
-	$(BIN)/python -m sim.cli.fleet
+	$(BIN)/python -m sim.cli.fleet $(if $(ROOT),--root '$(ROOT)')
 
 bench: .venv/ready
 	$(BIN)/python tests/benchmarks/run.py
