@@ -2,7 +2,7 @@
 
 ``python -m sim.cli.fleet`` writes two tables that travel with the package: what stock models say of their own speeds
 (``aircraft/models/stock.toml``) and how each of them flew (``sim/cli/fleet.toml``); with names it renews their rows.
-``python -m sim.cli.fleet --root DIR`` flies every aircraft in a folder of others, with repairs, into ``out/fleet.toml``.
+``python -m sim.cli.fleet --root DIR`` flies every aircraft in a folder of others into ``out/fleet.toml``, with repairs.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from aircraft.errors import FlightError, ModelError, TrimError
-from sim.cli.doctor import reason
+from sim.cli.airworthiness import reason
 from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import toml_writer as toml
 from sim.workers.executors import LocalExecutor, Lost
@@ -304,8 +304,8 @@ def main(names: Sequence[str]) -> None:
     """Measure the named stock aircraft, or all, into the tables; or those of a folder of others."""
     from aircraft.model_files import available
 
-    if names[:1] == ["--root"]:
-        return fly_others(Path(*names[1:2]), OTHERS)
+    if len(names) == 2 and names[0] == "--root":
+        return fly_others(Path(names[1]), OTHERS)
     stock = [name for name, origin in available().items() if origin.startswith("stock")]
     unknown = [name for name in names if name not in stock]
     if unknown:
