@@ -325,14 +325,9 @@ def doctor(
     ] = None,
 ) -> None:
     """Check the installation, or an aircraft."""
-    if aircraft is None:
-        from sim.cli.doctor import examine
+    from sim.cli.doctor import examine, examine_aircraft
 
-        lines, healthy = examine()
-    else:
-        from sim.cli.airworthiness import examine as examine_aircraft
-
-        lines, healthy = examine_aircraft(aircraft)
+    lines, healthy = examine() if aircraft is None else examine_aircraft(aircraft)
     for line in lines:
         typer.echo(printable(line))
     raise typer.Exit(GOOD if healthy else BAD_INPUT)

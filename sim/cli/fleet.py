@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 import math
+import os
 import sys
 import time
 import tomllib
@@ -16,12 +17,13 @@ from pathlib import Path
 from typing import Any
 
 from aircraft.errors import FlightError, ModelError, TrimError
-from sim.cli.airworthiness import reason
+from sim.cli.doctor import reason
 from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import toml_writer as toml
 from sim.workers.executors import LocalExecutor, Lost
 
 TABLE = Path(__file__).parent / "fleet.toml"
+DEEPEST = 4  # folders in one another where aircraft of others are sought
 OTHERS = Path("out") / "fleet.toml"
 AIRCRAFT_TIME_LIMIT = 600.0  # s of one aircraft
 OFFSET = 3000.0  # m, from which the line is captured
@@ -262,12 +264,15 @@ def _shown(found: Iterator[tuple[str, dict[str, Any]]], total: int) -> Iterator[
 
 
 def found_in(root: Path) -> list[str]:
-    """Every aircraft of a folder, at most two folders deep, as a scenario names it; links are left alone."""
+    """Every aircraft of a folder and what lies in it, as a scenario names it; links are left alone."""
     from aircraft.model_files import candidates
 
-    folders = [root, *root.glob("*"), *root.glob("*/*")]
-    found = [path for home in sorted(folders) if home.is_dir() and not home.is_symlink() for path in candidates(home)]
-    return [str(path.absolute()) for path in found]
+    found: list[str] = []
+    for place, inside, _ in os.walk(root.absolute()):
+        found += map(str, candidates(Path(place)))
+        if len(Path(place).relative_to(root.absolute()).parts) == DEEPEST:
+            inside.clear()
+    return sorted(found)
 
 
 def of_others(models: Sequence[str]) -> Iterator[tuple[str, dict[str, Any]]]:
