@@ -169,8 +169,8 @@ FOREIGN = {
     "read by the aerodynamics": lacking(
         GOOD.replace(
             "</aerodynamics>",
-            '<axis name="ROLL"><function name="aero/mine"><product><property>/sim/damage</property>'
-            "<value>0</value></product></function></axis></aerodynamics>",
+            '<function name="aero/mine"><product><property>/sim/damage</property><value>0</value></product></function>'
+            "</aerodynamics>",
         ),
         "/sim/damage",
     ),
