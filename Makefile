@@ -16,6 +16,7 @@ help:
 	@echo "make extending   renew the files that docs/extending.md quotes"
 	@echo "make densities   search the process noise of every tracker and renew docs/densities.md"
 	@echo "make fleet       fly every stock aircraft of JSBSim and renew the table of list --aircraft"
+	@echo "                 with ROOT=DIR fly every aircraft of a folder of others into out/fleet.toml"
 	@echo "make bench       measure speed, as ratios within one run"
 	@echo "make soak        kill workers and parents of studies, interrupt all commands, compare what is left"
 
@@ -74,7 +75,7 @@ densities: .venv/ready
 	$(BIN)/python tests/tuning/densities.py
 
 fleet: .venv/ready
-	$(BIN)/python -m sim.cli.fleet
+	$(BIN)/python -m sim.cli.fleet $(if $(ROOT),--root '$(ROOT)')
 
 bench: .venv/ready
 	$(BIN)/python tests/benchmarks/run.py

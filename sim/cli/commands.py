@@ -321,12 +321,18 @@ def contract(
 
 
 @app.command()
-def doctor() -> None:
-    """Check the installation."""
-    from sim.cli.doctor import examine
+def doctor(
+    aircraft: Annotated[
+        str | None,
+        typer.Option(metavar="PATH", help="Check this aircraft instead: what it lacks, and what repairs do."),
+    ] = None,
+) -> None:
+    """Check the installation, or an aircraft."""
+    from sim.cli.doctor import examine, examine_aircraft
 
-    lines, healthy = examine()
-    typer.echo("\n".join(lines))
+    lines, healthy = examine() if aircraft is None else examine_aircraft(aircraft)
+    for line in lines:
+        typer.echo(printable(line))
     raise typer.Exit(GOOD if healthy else BAD_INPUT)
 
 

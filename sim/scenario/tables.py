@@ -97,6 +97,7 @@ class AircraftChoice:
     mass: Annotated[float | None, "kg"] = None
     centre_of_gravity_mac: float | None = None
     factors: dict[str, float] = field(default_factory=dict)
+    repairs: bool = False  # what waits for another simulator is mended, and told
 
     def __post_init__(self) -> None:
         if self.mass is not None and self.mass <= 0:

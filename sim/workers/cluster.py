@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 from sim.errors import OutputError
-from sim.workers.executors import FLIGHT_TIME_LIMIT, Job, Lost
+from sim.workers.executors import CLOCK_FACTOR, FLIGHT_TIME_LIMIT, Job, Lost
 from sim.workers.partners import within
 
 ANSWER = 5.0  # s; a scheduler that listens answers at once
@@ -47,7 +47,7 @@ class ClusterExecutor:
 
     client: Any
     address: str
-    time_limit: float = FLIGHT_TIME_LIMIT
+    time_limit: float = CLOCK_FACTOR * FLIGHT_TIME_LIMIT  # s on the clock: the workers belong to others
     _waiting: deque[Job] = field(default_factory=deque, repr=False)
     _running: dict[Any, tuple[Job, float]] = field(default_factory=dict, repr=False)
 

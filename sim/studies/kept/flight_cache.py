@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from aircraft.model_files import folder as model_folder
+from aircraft.model_files import digest, is_file, main_file, read
 from aircraft.state import AircraftState, Command
 from aircraft.stock import STOCK_TABLE
 from sim.files import DAMAGED, read_bytes
@@ -65,11 +65,11 @@ def _code() -> str:
 
 @functools.lru_cache(maxsize=4)
 def _model(name: str) -> str:
-    """Files of a model and the table of stock aircraft; the models of JSBSim are identified by its version."""
+    """A model with all files that it refers to, its data, and the table of stock aircraft."""
     if name == "point_mass":
         return ""
-    home = model_folder(name)
-    return _digest([*(path for suffix in ("xml", "toml") for path in home.rglob(f"*.{suffix}")), STOCK_TABLE])
+    data = main_file(name).with_suffix(".toml")
+    return digest(read(name)) + _digest(path for path in (data, STOCK_TABLE) if is_file(path))
 
 
 def _digest(paths: Iterable[Path]) -> str:
