@@ -15,11 +15,11 @@ from tests.sim.studies.test_study import Inline
 
 FOLDER = "an operator's study, {flight}"
 TABLES = {
-    **CAPTURE, "name": "rows", "until_s": 4.0, "start": {"leg": 0, "cross_track_m": 900.0},
+    **CAPTURE, "name": "rows", "until_s": 4.0, "start": {"leg": 0, "cross_track_m": 60.0},
     "checks": [{"metric": "bank_max_deg", "max": 1.0}],
     "study": {"samples": 2, "axes": {
-        "wind.turbulence": ["light", "moderate"], "autopilot.bank_limit_deg": [4, 5.5],
-        "wind.headwind_kt": {"normal": [7.5, 7.5, -10, 30]},
+        "wind.turbulence": ["light", "moderate"], "autopilot.roll_rate_limit_degps": [3, 4.5],
+        "wind.headwind_kt": {"normal": [7.5, 7.5, -10, 30]}, "autopilot.bank_limit_deg": {"uniform": [6, 12]},
     }},
 }  # fmt: skip
 
