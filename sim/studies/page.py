@@ -23,6 +23,7 @@ from sim.versions import rows
 MOST_ROWS = 500  # of the table on the page; metrics.json has them all
 WORST = 20  # flights that are listed
 USUAL = ("overshoot_m", "settling_s", "time_saturated_s", "bank_max_deg")
+MANY = 10_000
 
 
 def page(
@@ -55,7 +56,6 @@ def page(
         checks=[_check(check) for check in metrics["checks"]],
         exceedances=[_exceedance(one) for one in metrics.get("exceedances", ())],
         worst=_worst(scenario, metrics, records, again),
-        heads_worst=[*metrics["axes"]],
         axes=[_axis(address, axis) for address, axis in metrics["axes"].items()],
         heads=[*metrics["axes"], "flights", "outcomes", *shown, *(f"{name} by theory" for name in predicted)],
         rows=[
@@ -104,9 +104,13 @@ def _worst(
     worst = [named(record, scenario.study.varied, again) for record in worst_first(records)[:WORST]]
     rows = every_flight(worst, [one["name"] for one in metrics["checks"]])
     return [
-        {**row, "values": [_value(record["values"][address]) for address in metrics["axes"]], "again": record["again"]}
+        {**row, "again": record["again"], "varied": _varied(record["values"], metrics["axes"])}
         for row, record in zip(rows, worst, strict=True)
     ]
+
+
+def _varied(values: dict[str, Any], axes: dict[str, Any]) -> str:
+    return ", ".join(f"{address} = {_value(values[address])}" for address in axes)
 
 
 def _pair(share: float, value: float) -> str:
@@ -120,12 +124,13 @@ def _exceedance(one: dict[str, Any]) -> dict[str, Any]:
 
 
 def _value(value: Any) -> str:
-    """Four figures of a number, a dash for none, words as they are."""
+    """Four figures of a number, or the whole ones where they are more, a dash for none, words as they are."""
     if value is None:
         return ABSENT
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value)
-    return f"{value:.4g}".replace("-", "\N{MINUS SIGN}")
+    whole = MANY <= abs(value) < 100 * MANY  # which four figures would write with an exponent
+    return f"{value:{'.0f' if whole else '.4g'}}".replace("-", "\N{MINUS SIGN}")
 
 
 def _row(row: dict[str, Any], axes: dict[str, Any], shown: Sequence[str]) -> list[str]:
