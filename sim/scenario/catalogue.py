@@ -10,6 +10,7 @@ import functools
 import importlib
 import os
 import pkgutil
+import sys
 from importlib import resources
 from types import ModuleType
 from typing import Any
@@ -55,10 +56,12 @@ def load(family: str, kind: str) -> type[Any]:
     Raises ``KeyError`` for a kind that has no file, ``ScenarioError`` for a file that defines none.
     """
     package, method = FOLDERS[family]
-    if kind not in kinds(family):
-        raise KeyError(kind)
     try:
-        module = importlib.import_module(f"{package}.{kind}")
+        module = sys.modules.get(f"{package}.{kind}")
+        if module is None:
+            if kind not in kinds(family):
+                raise KeyError(kind)
+            module = importlib.import_module(f"{package}.{kind}")
     except SyntaxError as error:
         raise ScenarioError(f"{package}.{kind}: cannot be imported: {error.msg} (line {error.lineno})") from None
     return _class_in(module, family, method)

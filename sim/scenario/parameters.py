@@ -143,9 +143,11 @@ def model_of(
     if kind is not None:
         fields["kind"] = (typing.Literal[kind], kind if defaulted_kind else ...)
 
+    spelt = [parameter for parameter in wanted if len(parameter.keys) > 1]
+
     def one_spelling(table: Any) -> Any:
         if isinstance(table, dict):
-            for parameter in wanted:
+            for parameter in spelt:
                 used = [key for key in parameter.keys if key in table]
                 if len(used) > 1 and len({key in parameter.indicated_keys for key in used}) > 1:
                     raise ValueError(
@@ -153,7 +155,7 @@ def model_of(
                     )
                 if len(used) > 1:
                     raise ValueError(f"'{used[0]}' and '{used[1]}' are two spellings of one value; keep one")
-                if not used and parameter.required and not partial and len(parameter.keys) > 1:
+                if not used and parameter.required and not partial:
                     wrong = [f", '{key}' is no unit of it" for key in table if stem(key) == parameter.name]
                     raise ValueError(f"'{next(iter(parameter.keys))}' is missing{''.join(wrong[:1])}")
         return table
@@ -198,11 +200,7 @@ def given_values(cls: type, table: dict[str, Any], true_share: TrueShare | None 
         for key, value in table.items()
         if value is not None and key in keys
     }
-    indicated = [
-        one
-        for one in parameters(cls)
-        if one.is_airspeed and any(table.get(key) is not None for key in one.indicated_keys)
-    ]
+    indicated = [one for one in _airspeeds(cls) if any(table.get(key) is not None for key in one.indicated_keys)]
     if indicated:
         assert true_share is not None, f"{cls.__name__} has indicated airspeeds, but no air"
         defaults = {one.attribute: one.default for one in parameters(cls) if not one.required}
@@ -217,7 +215,14 @@ def _keys(cls: type) -> dict[str, tuple[Parameter, float]]:
     return {key: (one, factor) for one in parameters(cls) for key, factor in one.keys.items()}
 
 
+@cached
+def _airspeeds(cls: type) -> tuple[Parameter, ...]:
+    return tuple(one for one in parameters(cls) if one.is_airspeed)
+
+
 def _to_si(hint: Any, value: Any, factor: float, true_share: TrueShare | None) -> Any:
+    if isinstance(value, float):
+        return value * factor
     nested = _nested(hint)
     if nested is not None and isinstance(value, dict):
         return construct(nested, value, true_share)

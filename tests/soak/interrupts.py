@@ -77,6 +77,30 @@ def bytes_of(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file() and path.name != WALL_TIMES}
 
 
+def left_behind(group: int) -> list[str]:
+    """Processes that a command started and that outlive it, one sentence for each; they are ended."""
+    until = time.monotonic() + 10.0  # s; workers may be ending
+    while found := in_group(group):
+        if time.monotonic() > until:
+            os.killpg(group, signal.SIGKILL)
+            return [f"left behind: {one}" for one in found]
+        time.sleep(0.1)
+    return []
+
+
+def in_group(group: int) -> list[str]:
+    """Commands of the processes of a group that live."""
+    found = []
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            state, _, own = (entry / "stat").read_text().rpartition(")")[2].split()[:3]
+            if int(own) == group and state != "Z":
+                found.append((entry / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")[:120])
+        except OSError:  # it has just ended
+            continue
+    return found
+
+
 def interrupted(command: Command, folder: Path, after: float, number: int) -> tuple[str, list[str]]:
     """Stop a command; how it ended, and what was not as it should be."""
     command.prepare(folder)
@@ -90,12 +114,7 @@ def interrupted(command: Command, folder: Path, after: float, number: int) -> tu
         process.kill()
         return "hangs", [f"runs on for {ENDS:g} s after the signal"]
     told = [] if code in (0, 128 + number, -number) else [f"exit code {code}"]  # -number: before it could listen
-    time.sleep(0.5)  # workers that are ending
-    try:
-        os.killpg(process.pid, signal.SIGKILL)
-        told.append("left a process behind")
-    except ProcessLookupError:
-        pass
+    told += left_behind(process.pid)
     told += [f"{path.name} left" for path in (folder.rglob("*.partial") if code != -number else ())]
     lost = before - finished(folder)
     told += [f"{len(lost)} finished flights lost"] if lost else []
