@@ -1,4 +1,4 @@
-"""A go-around climbs no faster than its airspeed allows: what a microburst takes is regained by height, not by a stall."""
+"""A go-around climbs no faster than its airspeed allows: what a microburst takes is regained by height."""
 
 from __future__ import annotations
 
