@@ -240,8 +240,8 @@ def _survives_damage(trial: Trial) -> Iterator[str]:
     """Looks that cannot be true, in one run or exact in all: each is taken or skipped, and an estimate stays one."""
     tracker, record, prior = trial
     middle = len(record.time) // 2
+    whole = _path(tracker, record, prior)
     for name, damaged in damages(record):
-        other = _path(tracker, record, prior)
         found: list[Moments] = []
         for epoch in follow(tracker, damaged, prior):
             fault = _unbelievable(epoch.estimate, record.z.shape[2:], found[-1].cov[0] if found else None)
@@ -250,8 +250,8 @@ def _survives_damage(trial: Trial) -> Iterator[str]:
                 return
             found.append(_moments(epoch.estimate, record.z.shape[-1]))
         if np.array_equal(damaged.R, record.R) and len(found) == len(record.time):
-            after = found[middle]
-            if not _same(after.of(slice(MISSED + 1, None)), other.epoch(middle).of(slice(MISSED + 1, None))):
+            others = slice(MISSED + 1, None)
+            if not _same(found[middle].of(others), whole.epoch(middle).of(others)):
                 yield f"other runs change once {name} in one"
                 return
 

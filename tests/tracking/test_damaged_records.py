@@ -9,6 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import sim
+from tests.capture import CAPTURE
 from tests.tracking.test_track import KALMAN, POSITION, PRIOR, record
 from tracking.gaussian import Gaussian
 from tracking.measurement import Stacked
@@ -204,3 +206,27 @@ def test_a_prior_still_serves_runs_after_a_skip():
     found = track(KALMAN, measurements, Gaussian(PRIOR.mean, PRIOR.cov))
     assert np.argwhere(found.skipped).tolist() == [[0, 1]]
     assert believable(found)
+
+
+class Fickle(Kalman):
+    """Its update fails where the position is known well."""
+
+    def step(self, state, dt, z, R):
+        moved, innovation = super().step(state, dt, z, R)
+        known = moved.cov[0, 0] < 0.5 * R[0, 0] if z is not None else False
+        return Gaussian(np.where(known, np.nan, moved.mean), moved.cov), innovation
+
+
+def test_a_run_says_which_tracker_skipped_how_many_looks_and_since_when():
+    plots = {"kind": "surveillance_radar"}
+    steady = {"kind": "kalman", "sensors": ["radar"]}
+    given = {**CAPTURE, "sensors": {"radar": plots}, "trackers": {"steady": steady}, "draws": 1, "until_s": 40}
+    result = sim.run(given, trackers={"fickle": Fickle(POSITION)})
+    (said,) = [sentence for sentence in result.metrics["warnings"] if "could not use" in sentence]
+    found = result.tracks["fickle"].track
+    assert np.isfinite(found.mean).all()
+    first, count = found.time[found.skipped[:, 0]][0], int(found.skipped.sum())
+    assert said.startswith(
+        f"tracker 'fickle' could not use {count} of {len(found.time)} looks, the first at {first:.1f} s"
+    )
+    assert count < len(found.time)
