@@ -82,6 +82,14 @@ class Use(NamedTuple):
 
 USES = (
     Use(
+        "comparison",
+        {},
+        ("shortfinal run -o out/an26_pattern",),
+        "out/an26_pattern/report.html",
+        "Linear feedback against saturated control (each at its best)",
+        until="\ntracker",
+    ),
+    Use(
         "approach",
         {},
         ("shortfinal run an26_crosswind --set wind.speed_kt=20 -o out/crosswind",),
