@@ -4,19 +4,21 @@ BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help demo test lint acceptance tutorials uses extending densities bench soak fleet clean
+.PHONY: help demo test test-oldest lint acceptance tutorials uses extending densities bench soak fleet clean
 
 help:
 	@echo "make demo        fly the bundled An-26 approach and write its report"
 	@echo "make test        lint and run the tests"
+	@echo "make test-oldest  the same in part, with the lowest versions that pyproject.toml allows"
 	@echo "make acceptance  measure every required figure at full size"
 	@echo "make tutorials   run the tutorials and renew what they print and draw"
 	@echo "make uses        run what README and docs show and renew transcripts and figures"
 	@echo "make extending   renew the files that docs/extending.md quotes"
 	@echo "make densities   search the process noise of every tracker and renew docs/densities.md"
 	@echo "make fleet       fly every stock aircraft of JSBSim and renew the table of list --aircraft"
+	@echo "                 with ROOT=DIR fly every aircraft of a folder of others into out/fleet.toml"
 	@echo "make bench       measure speed, as ratios within one run"
-	@echo "make soak        kill workers and parents of studies and compare what is left"
+	@echo "make soak        kill workers and parents of studies, interrupt all commands, compare what is left"
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "shortfinal needs Python 3.11 or newer")'
@@ -29,6 +31,28 @@ demo: .venv/ready
 
 test: .venv/ready lint
 	$(BIN)/python -m pytest -n 2 -m "not acceptance"
+
+# A file of each package and of each library that is held down; old libraries may warn about newer ones of others.
+OLDEST := build/oldest
+OLDEST_TESTS := tests/tracking/test_gaussian.py tests/tracking/test_track.py tests/tracking/test_imm.py \
+	tests/tracking/test_filterpy_agreement.py tests/tracking/test_damaged_records.py \
+	tests/autopilot/test_disk_margin.py tests/autopilot/test_laws.py \
+	tests/autopilot/test_route_law_against_control_theory.py tests/aircraft/test_air.py \
+	tests/aircraft/test_against_newton.py tests/sim/scenario/test_units.py \
+	tests/sim/metrics/test_checks_against_rtamt.py tests/sim/metrics/test_verdict.py \
+	tests/sim/workers/test_blas.py tests/sim/reporting/test_report_trackers.py
+
+$(OLDEST)/ready: pyproject.toml tests/oldest.py
+	$(PYTHON) -m venv $(OLDEST)
+	$(PYTHON) tests/oldest.py > $(OLDEST)/constraints.txt
+	$(OLDEST)/bin/python -m pip install --quiet --disable-pip-version-check \
+		--constraint $(OLDEST)/constraints.txt --editable '.[dev]'
+	touch $@
+
+test-oldest: $(OLDEST)/ready
+	$(OLDEST)/bin/python -m pytest -W ignore::DeprecationWarning $(OLDEST_TESTS)
+	$(OLDEST)/bin/shortfinal run --help
+	$(OLDEST)/bin/shortfinal run an26_pattern -o $(OLDEST)/an26_pattern
 
 lint: .venv/ready
 	$(BIN)/ruff check .
@@ -51,13 +75,14 @@ densities: .venv/ready
 	$(BIN)/python tests/tuning/densities.py
 
 fleet: .venv/ready
-	$(BIN)/python -m sim.cli.fleet
+	$(BIN)/python -m sim.cli.fleet $(if $(ROOT),--root '$(ROOT)')
 
 bench: .venv/ready
 	$(BIN)/python tests/benchmarks/run.py
 
 soak: .venv/ready
 	$(BIN)/python -m tests.soak.soak
+	$(BIN)/python -m tests.soak.interrupts
 
 clean:
 	rm -rf .venv out build dist

@@ -19,7 +19,7 @@ from aircraft import loading, model_files, properties, repairs
 from aircraft.air import Air
 from aircraft.data import AircraftData, describe
 from aircraft.errors import FlightError, ModelError
-from aircraft.executive import fresh_executive, sentence
+from aircraft.executive import fresh_executive, put_aside, sentence
 from aircraft.landing_gear import Contact, contacts, reach
 from aircraft.power_plant import started
 from aircraft.properties import EARTH_RADIUS, FOOT, getter, node, setter
@@ -120,6 +120,10 @@ class Airframe:
     def mass(self) -> float:
         """kg; fuel does not burn, so that it is constant."""
         return self._mass() * properties.MASS.factor
+
+    def has(self, name: str) -> bool:
+        """Whether the model has a property of this name."""
+        return self._manager.get_node(name, False) is not None
 
     @property
     def wing_area(self) -> float:
@@ -330,6 +334,7 @@ def load(
     runway: Runway | None = None,
     air: Air | None = None,
     rate: float | None = None,
+    repaired: bool = False,
 ) -> Airframe:
     """A fresh aircraft: ours or a stock one by name, or a user's folder by path.
 
@@ -340,6 +345,7 @@ def load(
     factors : scales of groups of coefficients, by the names that the aircraft declares.
     air : over the runway; None = the standard atmosphere.
     rate : of the equations of motion, Hz; None = that of the aircraft's data.
+    repaired : what waits for another simulator is mended as in stock models, see ``Airframe.repairs``.
 
     Raises ``ModelError`` with one sentence for anything that cannot be loaded.
     """
@@ -369,24 +375,42 @@ def load(
         loading.apply_centre_of_gravity(
             source, aircraft.chord_leading_edge + centre_of_gravity_mac * aircraft.mean_chord
         )
-    return _built(source, aircraft, runway or Runway(), air, repairs.is_stock(model))
+    return _built(source, aircraft, runway or Runway(), air, repaired or repairs.is_stock(model))
 
 
-def _built(source: model_files.Model, aircraft: AircraftData, runway: Runway, air: Air | None, stock: bool) -> Airframe:
-    """The airframe of a model; a stock one is repaired where it waits for another simulator."""
-    told = (repairs.drive_directly(source), repairs.free_steering(source)) if stock else ()
+def _built(
+    source: model_files.Model, aircraft: AircraftData, runway: Runway, air: Air | None, repaired: bool
+) -> Airframe:
+    """The airframe of a model, mended where it waits for another simulator, or all that it waits for in one error."""
+    told = (repairs.drive_directly(source), repairs.free_steering(source)) if repaired else ()
     points, farthest = contacts(source), reach(source)
+    propellers = repairs.has_propellers(source)
     while True:
-        executive = fresh_executive(source, aircraft.rate)
         try:
-            airframe = Airframe(executive, aircraft, runway, points, farthest, repairs.has_propellers(source), air)
-        except (KeyError, jsbsim.BaseError) as error:
-            said = sentence([*map(str, error.args)])
-            if not stock or not repairs.define_missing(source, said):
-                raise ModelError(f"'{source.name}' cannot be used: {said}") from None
+            executive = fresh_executive(source, aircraft.rate)
+            airframe = _airframe(source, executive, aircraft, runway, points, farthest, propellers, air)
+        except ModelError as error:
+            if repairs.define_missing(source, str(error)):
+                continue
+            asked = None if repaired else repairs.asked_for(source)
+            raise ModelError(f"{error}; besides, {asked}") if asked else error from None
         else:
+            asked = repairs.asked_for(source)
+            if (asked or repaired) and repairs.define_unread(source, airframe.has):
+                continue
+            if asked and not repaired:
+                raise ModelError(asked)
             airframe.repairs = tuple(text for text in (*told, repairs.defined(source)) if text)
             return airframe
+
+
+def _airframe(source: model_files.Model, executive: Any, *parts: Any) -> Airframe:
+    """The airframe of an executive; raises ``ModelError``."""
+    try:
+        return Airframe(executive, *parts)
+    except (KeyError, jsbsim.BaseError) as error:
+        put_aside(executive, source)
+        raise ModelError(f"'{source.name}' cannot be used: {sentence([*map(str, error.args)])}") from None
 
 
 def _throttles(manager: Any) -> list[Any]:

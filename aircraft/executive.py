@@ -11,6 +11,7 @@ import jsbsim
 from aircraft.errors import ModelError
 from aircraft.model_files import Model, private_root
 from aircraft.properties import EARTH_RADIUS
+from aircraft.repairs import mentioned
 from aircraft.state import STANDARD_GRAVITY
 
 PLANET = f"""<planet name="sphere"><equatorial_radius unit="M">{EARTH_RADIUS!r}</equatorial_radius>
@@ -33,6 +34,7 @@ def fresh_executive(source: Model, rate: float) -> Any:
         try:
             loaded = executive.load_planet(str(planet), False) and executive.load_model(source.name)
         except jsbsim.BaseError as error:
+            put_aside(executive, source)
             raise ModelError(f"JSBSim cannot load '{source.name}': {_without(root, [str(error)])}") from None
         if not loaded:
             raise ModelError(f"JSBSim cannot load '{source.name}': {_without(root, said)}")
@@ -41,6 +43,17 @@ def fresh_executive(source: Model, rate: float) -> Any:
     executive.get_propulsion().init_running(-1)
     executive["propulsion/fuel_freeze"] = 1
     return executive
+
+
+def put_aside(executive: Any, source: Model) -> None:
+    """Give a model that failed whatever it still asks for.
+
+    JSBSim evaluates functions once more as it destroys them, and a property that is missing then ends the process.
+    """
+    manager = executive.get_property_manager()
+    for name in mentioned(source):
+        if manager.get_node(name, False) is None:
+            manager.get_node(name, True)
 
 
 class _Logger(jsbsim.FGLogger):

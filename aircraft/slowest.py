@@ -10,7 +10,7 @@ from pathlib import Path
 from aircraft.airframe import Airframe, load
 from aircraft.data import AircraftData, FlapSetting, data
 from aircraft.errors import FlightError, TrimError
-from aircraft.model_files import folder
+from aircraft.model_files import main_file
 from aircraft.state import STANDARD_GRAVITY
 from aircraft.stock import stock_row
 from aircraft.trim import Trim, trim
@@ -25,7 +25,7 @@ STEP = 0.88  # from one speed to the next slower one
 PRECISION = 0.01  # of the slowest speed
 
 
-def complete(model: str | Path) -> AircraftData:
+def complete(model: str | Path, repaired: bool = False) -> AircraftData:
     """The data of an aircraft with its flap settings, which no file states of most; raises ``ModelError``.
 
     Those of a stock aircraft are in a table, measured under the version of JSBSim that is noted there; where that is
@@ -36,7 +36,7 @@ def complete(model: str | Path) -> AircraftData:
         return known
     rows = stock_row(model).get("flap_settings", [])
     settings = tuple(FlapSetting(math.radians(row["flaps_deg"]), math.inf, row["slowest_mps"]) for row in rows)
-    return dataclasses.replace(known, flap_settings=settings or flap_settings(model))
+    return dataclasses.replace(known, flap_settings=settings or flap_settings(model, repaired))
 
 
 def why_not(airframe: Airframe) -> str:
@@ -48,19 +48,18 @@ def why_not(airframe: Airframe) -> str:
     return "it has no level flight"
 
 
-def flap_settings(model: str | Path) -> tuple[FlapSetting, ...]:
+def flap_settings(model: str | Path, repaired: bool = False) -> tuple[FlapSetting, ...]:
     """Slowest level flight, gear down, without flaps, at half and at full flaps, equivalent airspeeds; or empty.
 
     The slowest trim stands for the stall: whichever of wing, elevator and power gives out first. Placards are not
     known of such an aircraft.
     """
-    path = folder(model) / f"{folder(model).resolve().name}.xml"
-    return _measured(model, path.stat().st_mtime_ns)
+    return _measured(model, main_file(model).stat().st_mtime_ns, repaired)
 
 
 @functools.cache
-def _measured(model: str | Path, changed: int) -> tuple[FlapSetting, ...]:
-    airframe = load(model)
+def _measured(model: str | Path, changed: int, repaired: bool) -> tuple[FlapSetting, ...]:
+    airframe = load(model, repaired=repaired)
     share_there = airframe.air.equivalent_share(HEIGHT)
     settings = []
     for share in SHARES if airframe.full_flaps > 0.0 else SHARES[:1]:

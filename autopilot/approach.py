@@ -34,6 +34,7 @@ FLARE_LAG = 1.0  # m/s, of the airspeed over its command in the flare, which the
 BOUNCE = 0.5  # m of the wheels above the ground: it flies again, and flares again
 LEAST_AIRSPEED = 5.0  # m/s, of the command after a landing; a flying boat floats until then
 CLIMB_AWAY = 2.0  # regained heights: how far at least a go-around climbs
+PUSH_OVER = 2.0  # m/s2, by which the climb of a go-around gives way to airspeed: a load factor of 0.8
 SETTLED = 1e-3  # m and m/s: a change of height is over
 
 
@@ -161,7 +162,13 @@ class Approach:
             over_ground = math.hypot(velocity_north, velocity_east)
             if phase == GO_AROUND and self.landing is not None:
                 level = max(level, lowest + CLIMB_AWAY * self.landing.regained_height)
-            height, climb_rate = self._path(phase, level, height, climb_rate, to_go, over_ground, airspeed, dt)
+            allowed = math.inf
+            if phase == GO_AROUND and self.landing is not None:
+                allowed = self.landing.climb_away(state.airspeed, state.height - self.landing.wheel_height)
+            if climb_rate + self.level_acceleration * dt > allowed:  # from here: heights that it fell behind stall it
+                height, climb_rate = state.height, max(allowed, climb_rate - PUSH_OVER * dt)
+            else:
+                height, climb_rate = self._path(phase, level, height, climb_rate, to_go, over_ground, airspeed, dt)
             slope = math.atan2(climb_rate, over_ground)
             if phase == FLARE and self.landing is not None:  # where the wheels are, not where they were to be
                 wheels = state.height - self.landing.wheel_height

@@ -177,7 +177,9 @@ def longitudinal_gains(point: OperatingPoint) -> Any:
     A7[:5, :5], B7[:5] = A, B
     A7[5, 0] = A7[6, 4] = 1.0
     worst = np.array([AIRSPEED, ANGLE_OF_ATTACK, PITCH_RATE, PITCH, HEIGHT, AIRSPEED_INTEGRAL, HEIGHT_INTEGRAL])
-    return _linear_quadratic(A7, B7, np.diag(worst**-2.0), np.diag(np.array([THROTTLE, ELEVATOR]) ** -2.0))
+    return _linear_quadratic(
+        A7, B7, np.diag(worst**-2.0), np.diag(np.array([THROTTLE, ELEVATOR]) ** -2.0), "throttle and elevator"
+    )
 
 
 def lateral_gains(point: OperatingPoint) -> Any:
@@ -190,11 +192,16 @@ def lateral_gains(point: OperatingPoint) -> Any:
     A5[:4, :4], B5[:4] = T @ A @ np.linalg.inv(T), T @ B
     A5[4, 3] = 1.0
     worst = np.array([SIDESLIP, ROLL_RATE, YAW_RATE, BANK, BANK_INTEGRAL])
-    return _linear_quadratic(A5, B5, np.diag(worst**-2.0), np.diag(np.array([AILERON, RUDDER]) ** -2.0))
+    return _linear_quadratic(
+        A5, B5, np.diag(worst**-2.0), np.diag(np.array([AILERON, RUDDER]) ** -2.0), "aileron and rudder"
+    )
 
 
-def _linear_quadratic(A: Any, B: Any, Q: Any, R: Any) -> Any:
-    return np.linalg.solve(R, B.T @ solve_continuous_are(A, B, Q, R))
+def _linear_quadratic(A: Any, B: Any, Q: Any, R: Any, controls: str) -> Any:
+    try:
+        return np.linalg.solve(R, B.T @ solve_continuous_are(A, B, Q, R))
+    except np.linalg.LinAlgError:
+        raise ValueError(f"no gains can be designed: {controls} do not steer this aircraft") from None
 
 
 def steady_sideslip(point: OperatingPoint) -> tuple[float, float, float]:

@@ -20,6 +20,8 @@ POSITIVE = (
     *("stall_speed", "align_height", "align_time", "sideslip_limit", "climb_angle", "regained_height"),
 )
 
+LEAST_MARGIN = 1.0  # m/s, over which the climb of a go-around fades out
+
 
 @dataclass(frozen=True)
 class Landing:
@@ -112,6 +114,18 @@ class Landing:
     def flare_sink(self, wheels: float) -> float:
         """Sink, m/s, of the flare: it decays with the height of the wheels, at the runway to ``touchdown_sink``."""
         return max(wheels, 0.0) / self.flare_time + self.touchdown_sink
+
+    def climb_away(self, airspeed: float, wheels: float) -> float:
+        """Fastest climb, m/s, of a go-around at this airspeed (m/s), with the wheels so high (m).
+
+        It is free from ``threshold_speed`` on and none at ``touchdown_speed``; below it height buys speed, down to a
+        sink that ends at the runway as a flare does.
+        """
+        if airspeed >= self.threshold_speed:
+            return math.inf
+        full = self.threshold_speed * self.climb_angle
+        margin = max(self.threshold_speed - self.touchdown_speed, LEAST_MARGIN)
+        return max(full * max((airspeed - self.touchdown_speed) / margin, -1.0), -self.flare_sink(wheels))
 
     def attitude(self, wheels: float, pitch: float) -> float:
         """Angle, rad, by which the flare's path is bent for the landing gear: the nearer to the ground, the more.

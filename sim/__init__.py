@@ -80,6 +80,7 @@ Data
     - ``mean`` (k, n, draws) and ``cov`` (k, n, n, draws), SI in the runway frame or that of its sensor
     - ``white`` (k, m, draws) - residuals of unit variance; ``nis``, ``log_likelihood`` (k, draws)
     - ``model_probabilities`` (k, M, draws) of M models, or None
+    - ``skipped`` (k, draws) looks of which something could not be used, None = all were
 - `Tracked` - one tracker, its record and what that had wrong (sim.estimation.tracking_run)
     - ``tracker``, as it was set up; ``law_from`` - origin of the law it assumes, None = none known; ``measurements``
       that it was given; ``track``; ``curves`` - its errors over time, for figures (sim.metrics.error_curves);

@@ -35,7 +35,7 @@ from sim.metrics.navigation import navigation_quality
 from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
-from sim.reporting.text.warnings import contrast_warnings, warnings
+from sim.reporting.text.warnings import contrast_warnings, skipped_looks, warnings
 from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.axes import samples
@@ -45,7 +45,7 @@ from sim.scenario.plugins import Catalogue, Part, catalogue_with, digests, load_
 from sim.scenario.tables import Check
 from sim.scenario.toml_writer import dumps
 from sim.versions import versions
-from sim.workers.executors import FLIGHT_TIME_LIMIT, LocalExecutor, Lost
+from sim.workers.executors import FLIGHT_TIME_LIMIT, LocalExecutor, Lost, refuse_small_limit
 from sim.workers.isolation import run_isolated
 from sim.workers.sharing import helper
 
@@ -156,12 +156,12 @@ def run(
     with timed(timing, "other_flights_s"):
         records += _others(prepared, numbers[len(records) :], trackers, workers, progress)
     before = _until(flown, found.records)
-    trackers_found, contrasts = found.trackers, [*found.contrasts.values()]
-    if len(records) > 1:
-        trackers_found, contrasts = over_flights(records), contrasts_over_flights(scenario.contrasts, records)
+    trackers_found = found.trackers if len(records) == 1 else over_flights(records)
+    contrasts = contrasts_over_flights(scenario.contrasts, records)
     told = [
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
+        *skipped_looks(found.tracks),
         *contrast_warnings(contrasts, trackers_found),
         *assumed_height.remarks(prepared, flown, before),
     ]
@@ -261,6 +261,7 @@ def _elsewhere(
 ) -> Iterator[tuple[int, Any]]:
     """Number and record of flights, or ``Lost``, as worker processes end them."""
     tables = {**prepared.scenario.tables, "designed": prepared.gains.to_table(), "study": None}
+    refuse_small_limit()
     executor = LocalExecutor(min(workers, len(numbers)))
     try:
         for number in numbers:

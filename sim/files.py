@@ -1,16 +1,24 @@
-"""Run folders: written whole or not at all, and never over what something else wrote."""
+"""Run folders: written whole or not at all, and never over what something else wrote.
+
+A folder may come from somebody else. The folder itself is where its user says, links on the way included, but within it
+no link is followed and nothing but a regular file is opened, so nothing outside is read, written or deleted.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import json
 import math
 import os
 import shutil
 import signal
+import stat
 import threading
 import time
+import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,9 +27,14 @@ import numpy as np
 
 from sim.errors import OutputError
 
+LARGEST = 1 << 28  # bytes of a file that is read whole
 WAIT = 60.0  # s, for another process that writes the same folder
 MARK = ".shortfinal"
 WRITTEN_BY = "written by shortfinal"
+DAMAGED = (
+    *(OSError, ValueError, LookupError, TypeError, AttributeError, EOFError, RuntimeError, MemoryError),
+    *(zipfile.BadZipFile, zlib.error),
+)  # what reading a file that is not what it should be may raise
 KINDS = {"run": "a run", "study": "a study", "claims": "the claims"}
 
 
@@ -46,11 +59,57 @@ def refuse_foreign(folder: Path, what: str) -> None:
         if folder.is_dir() and any(folder.iterdir()):
             if (folder / MARK).is_symlink() or not (folder / MARK).is_file():
                 raise OutputError(f"{folder}: holds files that shortfinal did not write; choose another folder with -o")
-            holds = (folder / MARK).read_text(encoding="utf-8", errors="replace").removeprefix(WRITTEN_BY).strip()
+            refuse_links(folder)
+            holds = read_bytes(folder / MARK).decode(errors="replace").removeprefix(WRITTEN_BY).strip()
             if holds in KINDS and holds != what:
                 raise OutputError(f"{folder}: holds {KINDS[holds]}, not {KINDS[what]}; choose another folder with -o")
     except OSError as error:
         raise OutputError(f"{folder}: cannot be read: {error.strerror}") from None
+
+
+def refuse_links(folder: Path) -> None:
+    """Raise ``OutputError`` for a folder that holds, at any depth, anything but folders and regular files."""
+    waiting = [folder] if folder.is_dir() else []
+    try:
+        while waiting:
+            with os.scandir(waiting.pop()) as entries:
+                for entry in entries:
+                    if entry.is_dir(follow_symlinks=False):
+                        waiting.append(Path(entry.path))
+                    elif not entry.is_file(follow_symlinks=False):
+                        what = "a link" if entry.is_symlink() else "neither a file nor a folder"
+                        name = Path(entry.path).relative_to(folder)
+                        raise OutputError(f"{folder}: {name} in it is {what}, which shortfinal never writes; remove it")
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be read: {error.strerror}") from None
+
+
+def opened(path: Path, flags: int) -> int:
+    """A descriptor of a regular file, by flags of ``os.open``; raises ``OSError`` for anything else, and never waits.
+
+    A file that is changed in place must have no second name, under which it may be somebody else's.
+    """
+    try:
+        handle = os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, 0o644)
+    except OSError as error:
+        if error.errno in (errno.ELOOP, errno.ENXIO):  # a link, a pipe that nobody reads
+            raise OSError(error.errno, f"{path.name} is no regular file", str(path)) from None
+        raise
+    found = os.fstat(handle)
+    if stat.S_ISREG(found.st_mode) and (found.st_nlink == 1 or not flags & os.O_APPEND):
+        return handle
+    os.close(handle)
+    what = "has a second name" if stat.S_ISREG(found.st_mode) else "is no regular file"
+    raise OSError(errno.EINVAL, f"{path.name} {what}", str(path))
+
+
+def read_bytes(path: Path) -> bytes:
+    """The content of a regular file; raises ``OSError`` for anything else, and for what is too large."""
+    with os.fdopen(opened(path, os.O_RDONLY), "rb") as file:
+        content = file.read(LARGEST + 1)
+    if len(content) > LARGEST:
+        raise OSError(errno.EFBIG, f"{path.name} is larger than {LARGEST >> 20} MB", str(path))
+    return content
 
 
 @contextlib.contextmanager
@@ -66,8 +125,12 @@ def staged(folder: Path) -> Iterator[Path]:
                 shutil.rmtree(staging, ignore_errors=True)
                 staging.mkdir()
                 yield staging
+                files = sorted(staging.iterdir())
+                for file in files:
+                    if (folder / file.name).is_dir():
+                        raise OSError(errno.EISDIR, f"{file.name} in it is a folder")
                 with unstopped():
-                    for file in sorted(staging.iterdir()):
+                    for file in files:
                         os.replace(file, folder / file.name)
             finally:
                 shutil.rmtree(staging, ignore_errors=True)
@@ -158,7 +221,8 @@ def replace(path: Path, text: str) -> None:
     """Write a file so that it is whole or the old one, whatever happens."""
     partial = path.with_name(f".{path.name}.partial")
     try:
-        with partial.open("w", encoding="utf-8") as file:
+        partial.unlink(missing_ok=True)
+        with partial.open("x", encoding="utf-8") as file:  # follows no link that somebody puts there
             file.write(text)
             file.flush()
             os.fsync(file.fileno())

@@ -7,6 +7,7 @@ pytest-xdist, ``--dist loadfile`` keeps the checks of a file in one.
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import shutil
@@ -20,6 +21,7 @@ import pytest
 SUFFIX = ".scenario.toml"
 FLOWN = pytest.StashKey[dict[str, Any]]()  # of the session: results by resolved scenario
 USED = pytest.StashKey[list[Any]]()  # of an item: the results that it looked at
+KEPT = pytest.StashKey[dict[int, tuple[Any, Path]]]()  # of the session: results whose folders are kept, and where
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -215,17 +217,32 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
     folder = item.config.getoption("--shortfinal-report")
     if folder is not None and report.when == "call" and report.failed:
         for result in item.stash.get(USED, []):
-            report.sections.append(("shortfinal", f"report: {keep(result, folder) / 'report.html'}"))
+            report.sections.append(("shortfinal", _kept(item, result, folder)))
     return report
 
 
-def keep(result: Any, folder: Path) -> Path:
-    """Write the folder of a run or a study, named after its scenario; each xdist worker writes its own."""
+def _kept(item: pytest.Item, result: Any, folder: Path) -> str:
+    """Where the report of a failure is; one that cannot be kept costs nothing but itself."""
+    from sim.errors import OutputError, ScenarioError
+
+    places = item.session.stash.setdefault(KEPT, {})
+    if id(result) not in places:
+        worker = os.environ.get("PYTEST_XDIST_WORKER")  # each writes its own
+        name = f"{result.scenario.name}-{worker}" if worker else result.scenario.name
+        names = itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2)))
+        taken = [place.name for _, place in places.values()]
+        try:
+            places[id(result)] = result, keep(result, folder / next(one for one in names if one not in taken))
+        except (OutputError, ScenarioError, OSError) as error:
+            return f"no report: {error}"
+    return f"report: {places[id(result)][1] / 'report.html'}"
+
+
+def keep(result: Any, place: Path) -> Path:
+    """Write the folder of a run or a study."""
     from sim.experiment import report
     from sim.files import claim, staged, write_json
 
-    worker = os.environ.get("PYTEST_XDIST_WORKER")
-    place = folder / (f"{result.scenario.name}-{worker}" if worker else result.scenario.name)
     if isinstance(result, Judged):
         claim(place, "study")
         shutil.copytree(result.folder, place, dirs_exist_ok=True)

@@ -47,7 +47,7 @@ class Result:
     @property
     def broken(self) -> list[str]:
         """A sentence for each check that failed, over all flights; empty where all passed."""
-        return broken_checks(self.metrics, "sim.run(..., flight={flight})")
+        return broken_checks(self.metrics, lambda flight, _: f"sim.run(..., flight={flight})")
 
 
 @contextmanager

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
+import functools
+import importlib
 import importlib.metadata
 import importlib.util
 import platform
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 __version__ = "0.1.0"
@@ -21,6 +25,44 @@ DISTRIBUTIONS = (
     "jinja2",
     "pebble",
 )
+CORE_NAMES = tuple(f"{prefix}openblas_get_corename{suffix}" for prefix in ("scipy_", "") for suffix in ("64_", ""))
+
+
+@functools.cache
+def processor() -> str:
+    """The kind of processor by which the arithmetic is chosen: what OpenBLAS and numpy's own loops run on here.
+
+    Machines of two kinds round the last digit otherwise, with the same versions. ``unknown`` stands for what a
+    distribution does not tell.
+    """
+    kinds = {name: _blas_core(name) for name in ("numpy", "scipy")}
+    return ", ".join([*(f"{name} on {kind}" for name, kind in kinds.items()), f"loops of {_loops()}"])
+
+
+def _blas_core(distribution: str) -> str:
+    """What the OpenBLAS in the wheel of a distribution calls the processor."""
+    spec = importlib.util.find_spec(distribution)
+    home = Path(spec.origin).parent if spec is not None and spec.origin else Path()
+    for library in sorted((*home.parent.glob(f"{distribution}.libs/*openblas*"), *home.glob(".dylibs/*openblas*"))):
+        try:
+            loaded = ctypes.CDLL(str(library))
+        except OSError:
+            continue
+        for name in CORE_NAMES:
+            ask = getattr(loaded, name, None)
+            if ask is not None:
+                ask.restype = ctypes.c_char_p
+                return str(ask().decode(errors="replace"))
+    return "unknown"
+
+
+def _loops() -> str:
+    """The widest instructions for which numpy has loops that this processor can run."""
+    try:
+        loops = importlib.import_module("numpy._core._multiarray_umath")
+        return next((name for name in reversed(loops.__cpu_dispatch__) if loops.__cpu_features__[name]), "baseline")
+    except (ImportError, AttributeError, KeyError):
+        return "unknown"
 
 
 def versions(parts: Mapping[str, str] | None = None) -> dict[str, Any]:

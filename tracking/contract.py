@@ -1,7 +1,8 @@
 """What tries a class on the contract of a tracker, `tracking.track.Tracker`.
 
 It runs the tracker over a short record of several runs and asks what every tracker must be able to answer: is a run the
-same beside others as alone, does it survive what is not measured, is no time no change, is a look ahead harmless?
+same beside others as alone, does it survive what is not measured or cannot be true, is no time no change, is a look
+ahead harmless, also one over hours?
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ MEMBERS = tuple(name for name in vars(Tracker) if not name.startswith("_"))
 DEFAULTS: dict[str, Any] = {}  # a tracker has them all
 SAME = 1e-11  # of the largest value of a component: rounding, by slopes of a law that are differences over a millimetre
 SYMMETRIC, NEGATIVE = 1e-9, -1e-9  # of the scale of a covariance
-LOOK = 5.0  # s, of a look ahead
-MISSED = 0  # the run in which a measurement is taken away
+LOOK, LONG = 5.0, 2e4  # s, of a look ahead
+MISSED = 0  # the run in which a measurement is taken away or damaged
 
 
 class Trial(NamedTuple):
@@ -53,6 +54,10 @@ class Moments(NamedTuple):
     def of(self, runs: slice) -> Moments:
         """Those of some runs."""
         return Moments(self.mean[..., runs], self.cov[..., runs])
+
+    def epoch(self, row: int) -> Moments:
+        """Those of one epoch."""
+        return Moments(self.mean[row : row + 1], self.cov[row : row + 1])
 
 
 def missing_members(tracker: Any) -> list[str]:
@@ -86,7 +91,8 @@ def broken_promises(cls: type, make: Callable[[], Trial]) -> list[str]:
     except Exception as error:
         return [f"making one raises {type(error).__name__}: {' '.join(str(error).split())[:200]}"]
     broken = list(_tried(_runs, trial))  # what does not run at all would only break the rest again
-    for check in () if broken else (_keeps_its_state, _is_the_same_alone, _survives_absence, _names, _steers):
+    checks = (_keeps_its_state, _is_the_same_alone, _survives_absence, _survives_damage, _names, _steers)
+    for check in () if broken else checks:
         broken += _tried(check, trial)
     return list(dict.fromkeys(broken))
 
@@ -113,13 +119,15 @@ def _runs(trial: Trial) -> Iterator[str]:
         yield f"channels names a component twice: {', '.join(channels)}"
     for epoch in follow(tracker, record, prior):
         fault = _unbelievable(epoch.estimate, record.z.shape[2:]) or _no_innovation(epoch, record)
+        if not fault and epoch.skipped is not None:
+            fault = "step leaves no estimate where something was measured"
         if fault:
             yield f"{fault}, at epoch {epoch.row}"
             return
 
 
-def _unbelievable(estimate: Gaussian | Mixture, batch: tuple[int, ...]) -> str:
-    """What is wrong with an estimate."""
+def _unbelievable(estimate: Gaussian | Mixture, batch: tuple[int, ...], before: Any = None) -> str:
+    """What is wrong with an estimate; ``before`` is the covariance from which an exact measurement took its own."""
     if isinstance(estimate, Mixture):
         weights = np.asarray(estimate.weights)
         if not (weights >= 0.0).all() or not np.allclose(weights.sum(axis=0), 1.0, atol=1e-9):
@@ -129,6 +137,8 @@ def _unbelievable(estimate: Gaussian | Mixture, batch: tuple[int, ...]) -> str:
                 return f"estimate gives {len(weights)} weights for {count} {name}"
         estimate = merge(estimate)
     mean, cov = np.asarray(estimate.mean), np.asarray(estimate.cov)
+    if before is not None:  # what is left of it has the rounding of the whole
+        cov = cov - NEGATIVE * np.eye(len(mean))[..., None] * np.abs(before)
     if mean.shape[1:] != batch:
         return f"estimate gives a mean of the shape {mean.shape} for runs {batch}"
     if not (np.isfinite(mean).all() and np.isfinite(cov).all()):
@@ -171,6 +181,9 @@ def _keeps_its_state(trial: Trial) -> Iterator[str]:
     fault = _unbelievable(believed(tracker, ahead), record.z.shape[2:])
     if fault:
         yield f"{fault}, {LOOK:g} s ahead without a measurement"
+    fault = _unbelievable(believed(tracker, stepped(tracker, last.state, LONG)[0]), record.z.shape[2:])
+    if fault:
+        yield f"{fault}, {LONG:g} s ahead without a measurement"
     if not _same(moments(last.state), now):
         yield "step changes the state that is passed to it"
     still, _ = stepped(tracker, stepped(tracker, last.state, 0.0)[0], 0.0)
@@ -223,6 +236,43 @@ def _survives_absence(trial: Trial) -> Iterator[str]:
             yield f"{what} without a measurement is not its prediction"
 
 
+def _survives_damage(trial: Trial) -> Iterator[str]:
+    """Looks that cannot be true, in one run or exact in all: each is taken or skipped, and an estimate stays one."""
+    tracker, record, prior = trial
+    middle = len(record.time) // 2
+    whole = _path(tracker, record, prior)
+    for name, damaged in damages(record):
+        found: list[Moments] = []
+        for epoch in follow(tracker, damaged, prior):
+            fault = _unbelievable(epoch.estimate, record.z.shape[2:], found[-1].cov[0] if found else None)
+            if fault:
+                yield f"{fault} once {name}, at epoch {epoch.row}"
+                return
+            found.append(_moments(epoch.estimate, record.z.shape[-1]))
+        if np.array_equal(damaged.R, record.R) and len(found) == len(record.time):
+            others = slice(MISSED + 1, None)
+            if not _same(found[middle].of(others), whole.epoch(middle).of(others)):
+                yield f"other runs change once {name} in one"
+                return
+
+
+def damages(record: Measurements) -> Iterator[tuple[str, Measurements]]:
+    """What is wrong with the look in the middle of a record, in words, and the record with it."""
+    middle = len(record.time) // 2
+    for size in (1e5, 1e11, 1e300):
+        z = np.array(record.z)
+        z[middle, :, MISSED] += size
+        yield f"a look is {size:g} off", replace(record, z=z)
+    R = np.array(record.R)
+    R[middle] = 0.0
+    yield "a look is exact", replace(record, R=R)
+    twice = np.sort(np.append(np.arange(len(record.time)), middle))
+    yield (
+        "two looks at one instant are exact",
+        Measurements(record.channels, record.time[twice], record.arrival[twice], record.z[twice], R[twice]),
+    )
+
+
 def _names(trial: Trial) -> Iterator[str]:
     """The hypotheses, where it names them."""
     tracker, record, prior = trial
@@ -248,9 +298,13 @@ def _steers(trial: Trial) -> Iterator[str]:
 
 
 def _path(tracker: Any, record: Measurements, prior: Gaussian) -> Moments:
-    """The estimates over a whole record."""
+    """The estimates over a whole record, NaN where a look was skipped: that is no estimate of the tracker's own."""
     runs = record.z.shape[-1]
-    each = [_moments(epoch.estimate, runs) for epoch in follow(tracker, record, prior)]
+    each = []
+    for epoch in follow(tracker, record, prior):
+        each.append(_moments(epoch.estimate, runs))
+        if epoch.skipped is not None:
+            each[-1].mean[..., epoch.skipped] = np.nan
     return Moments(np.concatenate([one.mean for one in each]), np.concatenate([one.cov for one in each]))
 
 

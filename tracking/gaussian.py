@@ -224,6 +224,8 @@ def _condition(mean: Array, cov: Array, L: list[list[Array]], white: Array, cros
     transposed = W.swapaxes(0, 1)
     reduction = _product(transposed, W)
     reduced = np.subtract(cov, reduction, out=reduction if _covers(reduction, cov) else None)
+    variances = np.einsum("ii...->i...", reduced)  # a view
+    np.maximum(variances, 0.0, out=variances)  # after an exact measurement they are zero up to rounding
     return Gaussian(mean + _apply(transposed, white), reduced)
 
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from tracking.gaussian import Gaussian, Innovation, lift, update
+from tracking.gaussian import Gaussian, Innovation, lift, predict, update
 from tracking.measurement import MeasurementModel
 from tracking.motion import (
     CARTESIAN,
@@ -33,6 +33,9 @@ SPEED_TIME = 20.0  # s, in which an aircraft comes to the charted speed: 10 m/s 
 SLOWEST = 1.0  # m/s: a target at rest has no course
 SHORTEST_SUB_STEP = 0.01  # s; a control that is held for less moves the same, and costs without end
 SUB_STEP = 1.0  # s, for which the control is held unless told otherwise: RMSE within 2 % of that of 0.25 s
+# of one step; the time beyond them is uniform motion. A law has long come to its path by then (loops take 10 to 100 s),
+# while longer steps would make the control that is held unstable: they must be below 4 damping / natural frequency.
+MOST_SUB_STEPS = 1000
 JUMP = 1e-2  # rad of bank over a millimetre: ten radians per metre are no law's slope
 CROSS_TRACK = ("cross_track", "cross_track_rate")
 
@@ -354,12 +357,20 @@ def ahead_in_sub_steps(
 
     ``density`` (m2/s3) is that of the acceleration.
     """
-    count, step = sub_steps(dt, tracker.sub_step)
+    count, step, rest = sub_steps(dt, tracker.sub_step)
     _, Q = uniform(tracker.path.axes, step, density)
     for _ in range(count):
         gaussian = forward(tracker.law, tracker.path, state, step, Q)
         state = PathState(gaussian, tracker.path.advance(state.place, gaussian.mean, step))
-    return state
+    return coasted(tracker.path, state, rest, density)
+
+
+def coasted(path: ReferencePath, state: PathState, rest: float, density: float) -> PathState:
+    """The state after the time (s) of a step over which no law is followed any more."""
+    if not rest:
+        return state
+    gaussian = predict(state.gaussian, *uniform(path.axes, rest, density))
+    return PathState(gaussian, path.advance(state.place, gaussian.mean, rest))
 
 
 def corrected(tracker: OnPath, state: PathState, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
@@ -370,10 +381,14 @@ def corrected(tracker: OnPath, state: PathState, z: Any | None, R: Any | None) -
     return PathState(gaussian, state.place), innovation
 
 
-def sub_steps(dt: float, longest: float) -> tuple[int, float]:
-    """Number and length (s) of equal steps that cover dt, none above ``longest``."""
-    count = max(1, math.ceil(dt / longest - 1e-9))
-    return count, dt / count
+def sub_steps(dt: float, longest: float) -> tuple[int, float, float]:
+    """Number and length (s) of equal steps, none above ``longest``, that cover dt, and what they leave of it (s).
+
+    They leave nothing of up to `MOST_SUB_STEPS` of the longest.
+    """
+    followed = min(dt, MOST_SUB_STEPS * longest)
+    count = max(1, math.ceil(followed / longest - 1e-9))
+    return count, followed / count, dt - followed
 
 
 def steering(law: Law, path: ReferencePath, place: Any, mean: Array) -> Steering:

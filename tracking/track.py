@@ -17,6 +17,10 @@ simulation fills
 
 and no others: never the true state, the active leg or the phase. A "given" field of another name needs a default.
 
+A look that no algebra can weigh is skipped in its run, told in ``skipped`` of the `Epoch`, and no track turns NaN by
+it: a channel beyond `FARTHEST` is taken for absent, and an update that leaves no estimate - twice exact, R = 0, at one
+instant - is not made, the run goes on by its prediction.
+
 What a tracker may say besides, each read in one place: ``modes`` (`modes_of`), ``intents`` and ``switched``
 (`intents_of`), ``steer`` (`TimeStamped`). Trackers that differ in nothing but ``law`` are run as one, their laws
 stacked over the runs. A kind whose fields have no usable defaults says in ``example: ClassVar[dict[str, Any]]`` what a
@@ -32,16 +36,21 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, lift, merge
+from tracking.tree import choose
 
 LAW, ACCURACY = "law", "noise"  # how names of hypotheses begin, see `modes_of`
+# m, or the unit of a channel: a quarter of the Earth's circumference. Squares of what is farther, beside a variance of
+# 1 m2, have no digits left in double precision (1e14 of 1e16), and covariances turn negative.
+FARTHEST = 1e7
 
 
 @dataclass(frozen=True)
 class Measurements:
     """A record of measurements at the union of the epochs of a tracker's sensors.
 
-    z = NaN where a channel is absent at that epoch. ``B`` is the batch of noise draws; R has no draw axis where the
-    accuracy is the same for all draws.
+    z = NaN where a channel is absent at that epoch; its row and column of R say nothing then. ``B`` is the batch of
+    noise draws; R has no draw axis where the accuracy is the same for all draws. Raises ``ValueError`` for what is no
+    record of measurements, in one sentence.
     """
 
     channels: tuple[str, ...]  # m names, "<sensor>.<quantity>"
@@ -62,21 +71,45 @@ class Measurements:
         _require(R.shape[:3] == (k, m, m), f"R must have the shape ({k}, {m}, {m}, runs), not {R.shape}")
         _require(R.ndim <= z.ndim + 1, "R has more batch axes than z")
         _require(not np.isinf(z).any(), "a measurement is infinite; an absent one is NaN")
-        for i in range(m):
-            _require(not (R[:, i, i] < 0.0).any(), f"the variance of '{self.channels[i]}' is negative")
-            for j in range(i):
-                upper, lower = R[:, j, i], R[:, i, j]
-                scale = np.sqrt(R[:, i, i] * R[:, j, j])
-                _require(not (np.abs(upper - lower) > 1e-9 * scale).any(), "R is not symmetric")
-                _require(
-                    not (np.abs(upper) > (1.0 + 1e-9) * scale).any(), "R is not a covariance: a correlation exceeds 1"
-                )
+        _check_covariances(self)
 
     def runs(self, chosen: slice) -> Measurements:
         """The measurements of some runs (a slice of the last axis)."""
         R = self.R if np.ndim(self.R) == 3 or self.R.shape[-1] == 1 else self.R[..., chosen]
         candidates = None if self.candidates is None else self.candidates[..., chosen]
         return Measurements(self.channels, self.time, self.arrival, self.z[..., chosen], R, candidates)
+
+
+def _check_covariances(record: Measurements) -> None:
+    """Raise ``ValueError`` where R is not the covariance of what was measured."""
+    R, m = np.asarray(record.R, dtype=float), len(record.channels)
+    plots = np.asarray(record.z) if record.candidates is None else np.asarray(record.candidates)
+    present = ~np.isnan(plots)
+    present = present if record.candidates is None else present.any(axis=1)
+    shared = R.ndim < present.ndim + 1 or R.shape[3:] != present.shape[2:]
+    present = present.any(axis=tuple(range(2, present.ndim))) if shared else present  # in any run
+    said = lift(present[:, :, None] & present[:, None], 3, R.ndim - 3) > 0.0  # (k, m, m, *C) both were measured
+    bad = said & ~np.isfinite(R)
+    if bad.any():
+        row, i = np.argwhere(bad)[0][:2]
+        raise ValueError(f"R of '{record.channels[i]}' is not finite at {record.time[row]:g} s, where it was measured")
+    pairs: Any = 0  # of channels that are correlated
+    for i in range(m):
+        _require(not (R[:, i, i] < 0.0).any(), f"the variance of '{record.channels[i]}' is negative")
+        for j in range(i):
+            upper, lower, both = R[:, j, i], R[:, i, j], said[:, i, j]
+            scale = np.sqrt(np.abs(R[:, i, i])) * np.sqrt(np.abs(R[:, j, j]))
+            _require(not (both & (np.abs(upper - lower) > 1e-9 * scale)).any(), "R is not symmetric")
+            excess = np.abs(upper) > (1.0 + 1e-9) * scale
+            _require(not (both & excess).any(), "R is not a covariance: a correlation exceeds 1")
+            pairs = pairs + (both & (upper != 0.0))
+    if np.any(pairs > 1):  # with one, or none, the correlation has said it all
+        matrices = np.moveaxis(np.where(said, R, 0.0), (1, 2), (-2, -1))[np.asarray(pairs) > 1]
+        deviations = np.sqrt(np.einsum("...ii->...i", matrices))
+        scale = np.where(deviations > 0.0, deviations, 1.0)
+        correlation = matrices / scale[:, None] / scale[:, :, None]
+        negative = np.linalg.eigvalsh(correlation).min() < -1e-9
+        _require(not negative, "R is not a covariance: it is negative in some direction")
 
 
 class Track(NamedTuple):
@@ -90,6 +123,7 @@ class Track(NamedTuple):
     nis: Any  # (k, *B)
     log_likelihood: Any  # (k, *B)
     model_probabilities: Any | None  # (k, M, *B)
+    skipped: Any | None = None  # (k, *B) whether something measured could not be used; None = everything could
 
 
 class Tracker(Protocol):
@@ -190,6 +224,32 @@ def believed(tracker: Any, state: Any) -> Gaussian | Mixture:
     return estimate
 
 
+def taken(tracker: Any, state: Any, dt: float, z: Any, R: Any) -> tuple[Any, Innovation | None, Any]:
+    """The state dt (s) later with a look taken in, its innovation, and the runs (*B) whose look was not taken.
+
+    Those go on by their prediction, because the update would have left them without an estimate; None = there are none.
+    """
+    after, innovation = stepped(tracker, state, dt, z, R)
+    estimate = believed(tracker, after)
+    said = (*estimate, *(() if innovation is None else innovation[1:]))
+    if all(np.isfinite(np.sum(values)) for values in said):  # the usual case, cheaply
+        return after, innovation, None
+    batch = np.shape(estimate.mean)[2 if isinstance(estimate, Mixture) else 1 :]
+    sound: Any = np.ones(batch, dtype=bool)
+    for values in said:
+        finite = np.isfinite(values)
+        sound = sound & finite.all(axis=tuple(range(finite.ndim - min(finite.ndim, len(batch)))))
+    if sound.all():
+        return after, innovation, None
+    ahead, _ = stepped(tracker, state, dt)
+    lost = ~sound
+    if innovation is not None:
+        innovation = Innovation(
+            np.where(lost, np.nan, innovation.white), *(np.where(lost, 0.0, values) for values in innovation[1:])
+        )
+    return choose(sound, after, ahead), innovation, lost
+
+
 class Epoch(NamedTuple):
     """One turn of the loop."""
 
@@ -198,6 +258,7 @@ class Epoch(NamedTuple):
     estimate: Gaussian | Mixture
     innovation: Innovation | None
     state: Any  # of the tracker, from which a look-ahead can be taken
+    skipped: Any = None  # (*B) runs in which something measured could not be used; None = there are none
 
 
 def follow(
@@ -217,6 +278,7 @@ def follow(
     ValueError : the prior does not fit, or holds after the first arrival.
     TrackerError : the tracker does not keep its contract.
     """
+    _check_covariances(measurements)  # arrays can be written to after the record was made
     time, arrival = np.asarray(measurements.time, dtype=float), np.asarray(measurements.arrival, dtype=float)
     if not len(time):
         return
@@ -229,25 +291,31 @@ def follow(
     )
     steers, fits = isinstance(tracker, TimeStamped), False
     plots = measurements.z if measurements.candidates is None else measurements.candidates
-    nothing = np.isnan(plots).all(axis=tuple(range(1, plots.ndim))).tolist()
+    absurd: Any = np.abs(plots) > FARTHEST
+    plots = np.where(absurd, np.nan, plots) if absurd.any() else plots
+    nothing: Any = np.isnan(plots).all(axis=tuple(range(1, plots.ndim))).tolist()
+    unusable: Any = absurd.any(axis=tuple(range(1, plots.ndim - batch)))  # (k, *B)
+    told = unusable.any(axis=tuple(range(1, unusable.ndim))).tolist()
     for index in order.tolist():
         known = float(arrival[index])
         z, R, present = plots[index], lift(measurements.R[index], 2, batch), not nothing[index]
-        with np.errstate(divide="ignore", invalid="ignore"):  # a lost run is a result: it goes on as NaN
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost run is a result: it goes on as NaN
+            skipped = unusable[index] if told[index] else None
+            dt = known - now
             if present and steers and time[index] < known:
-                state, _ = stepped(tracker, state, known - now)
-                z = ask(tracker, "steer", state, z, known - float(time[index]))
-                state, innovation = stepped(tracker, state, 0.0, z, R)
-            elif present:
-                state, innovation = stepped(tracker, state, known - now, z, R)
+                state, _ = stepped(tracker, state, dt)
+                z, dt = ask(tracker, "steer", state, z, known - float(time[index])), 0.0
+            if present:
+                state, innovation, lost = taken(tracker, state, dt, z, R)
+                skipped = lost if skipped is None else skipped if lost is None else skipped | lost
             else:
-                state, innovation = stepped(tracker, state, known - now)
+                state, innovation = stepped(tracker, state, dt)
             now = known
             estimate = believed(tracker, state)
         if not fits:
             _check_fit(tracker, estimate)
             fits = True
-        yield Epoch(index, now, estimate, innovation, state)
+        yield Epoch(index, now, estimate, innovation, state, skipped)
 
 
 def track(
@@ -258,7 +326,7 @@ def track(
     watch: Callable[[Epoch], None] | None = None,
 ) -> Track:
     """Run a tracker through a record and keep every estimate; ``watch`` is shown each epoch (see also `follow`)."""
-    times, means, covs, weights, innovations = [], [], [], [], []
+    times, means, covs, weights, innovations, skipped = [], [], [], [], [], []
     for epoch in follow(tracker, measurements, prior, start):
         if watch is not None:
             watch(epoch)
@@ -270,6 +338,8 @@ def track(
         means.append(estimate.mean)
         covs.append(estimate.cov)
         innovations.append(epoch.innovation)
+        skipped.append(epoch.skipped)
+    any_skipped = any(one is not None for one in skipped)
     _require(bool(times), "there is no measurement to track")
     batch = measurements.z.shape[2:]
     known = next((innovation for innovation in innovations if innovation is not None), None)
@@ -285,6 +355,7 @@ def track(
         _stack(nis, batch),
         _stack(log_likelihood, batch),
         _stack(weights, batch) if weights else None,
+        _stack([np.zeros(1) if one is None else one for one in skipped], batch) > 0.0 if any_skipped else None,
     )
 
 

@@ -57,7 +57,7 @@ def measured(
     mark = "" if folder is None else row_cache.stamp(seed, quick)
     found = {} if folder is None else row_cache.load_rows(folder, mark)
     claims = {(paper, claim.name): claim for paper in chosen(papers) for claim in claims_of(paper)}
-    missing = [name for name in claims if name not in found]
+    missing = [name for name, claim in claims.items() if not _is_of(claim, found.get(name))]
     done: Any = current().as_done(_measure, [(*name, seed, quick) for name in missing])
     for number, values in done if progress is None else progress(done, len(missing), "claims"):
         name = missing[number]
@@ -65,6 +65,11 @@ def measured(
         if folder is not None:
             row_cache.add_row(folder, mark, Row(name[0], claims[name], seed, values))
     return [Row(name[0], claim, seed, found[name]) for name, claim in claims.items()]
+
+
+def _is_of(claim: Any, values: tuple[Any, ...] | None) -> bool:
+    """Whether these are values of all readings of a claim; it may have none."""
+    return values is not None and [one.reading for one in values] == [reading.name for reading in claim.readings]
 
 
 def _measure(paper: str, name: str, seed: int, quick: bool) -> Any:

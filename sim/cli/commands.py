@@ -156,9 +156,12 @@ def _study(folder: Path, fly: Any, plugins: list[Path] | None) -> None:
     from sim.cli.run_summary import study_summary
     from sim.reporting.text.broken_checks import run_again
 
+    def remark(sentence: str) -> None:
+        typer.echo(f"warning: {printable(sentence)}")
+
     again = "".join(f" --plugin {file}" for file in plugins or ())
     try:
-        metrics = fly(progress=_progress())
+        metrics = fly(progress=_progress(), remark=remark)
     except KeyboardInterrupt as stop:
         typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}{again}", err=True)
         raise typer.Exit(stop_code(stop)) from None
@@ -318,12 +321,18 @@ def contract(
 
 
 @app.command()
-def doctor() -> None:
-    """Check the installation."""
-    from sim.cli.doctor import examine
+def doctor(
+    aircraft: Annotated[
+        str | None,
+        typer.Option(metavar="PATH", help="Check this aircraft instead: what it lacks, and what repairs do."),
+    ] = None,
+) -> None:
+    """Check the installation, or an aircraft."""
+    from sim.cli.doctor import examine, examine_aircraft
 
-    lines, healthy = examine()
-    typer.echo("\n".join(lines))
+    lines, healthy = examine() if aircraft is None else examine_aircraft(aircraft)
+    for line in lines:
+        typer.echo(printable(line))
     raise typer.Exit(GOOD if healthy else BAD_INPUT)
 
 

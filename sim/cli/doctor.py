@@ -1,4 +1,4 @@
-"""Checks the installation: versions, shadowed names, JSBSim, a place to write."""
+"""Checks the installation: versions, shadowed names, JSBSim, a place to write; or one aircraft of somebody's."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from textwrap import wrap as wrapped
 
 from sim.versions import DISTRIBUTIONS
 
+WIDTH = 120  # of a line on an aircraft, which may lack much
 PROBE = "import jsbsim; jsbsim.FGJSBBase().debug_lvl = 0; f = jsbsim.FGFDMExec(None); print(f.get_version())"
 
 
@@ -42,3 +44,47 @@ def examine() -> tuple[list[str], bool]:
     lines = [f"{'good' if good else 'BAD ':4}  {name:{width}}  {text}" for good, name, text in rows]
     lines.append(f"note  {'browser':{width}}  {chromium or 'none on the PATH: report tests are skipped'}")
     return lines, all(good for good, _, _ in rows)
+
+
+def examine_aircraft(model: str) -> tuple[list[str], bool]:
+    """Lines on an aircraft as it lies and with repairs, each tried in a process of its own; whether it can be flown."""
+    from aircraft.errors import FlightError, ModelError, TrimError
+    from sim.errors import ScenarioError
+    from sim.flight.preparation import MODEL_TIME_LIMIT
+    from sim.scenario.reading import read
+    from sim.workers.isolation import run_isolated
+
+    scenario = read({"name": "doctor", "aircraft": {"model": model}})
+    rows: list[tuple[str, str]] = []
+    flies = False
+    for repaired, how in ((False, "as it lies"), (True, "aircraft.repairs = true")):
+        try:
+            told, slowest = run_isolated(scenario, MODEL_TIME_LIMIT, _tried, model, repaired)
+        except (ModelError, FlightError, TrimError, ScenarioError) as error:
+            rows.append(("BAD", f"{how}: {reason(error)}"))
+            continue
+        flies = slowest is not None
+        rows += [("note", f"{how}: {text}") for text in told if text]
+        if slowest is None:
+            rows.append(("BAD", f"{how}: it loads, but has no level flight"))
+        else:
+            rows.append(("good", f"{how}: its slowest level flight is {slowest:.1f} m/s"))
+            break
+    lines = [part for grade, text in rows for part in wrapped(f"{grade:4}  {text}", WIDTH, subsequent_indent=6 * " ")]
+    return lines, flies
+
+
+def _tried(model: str, repaired: bool) -> tuple[tuple[str, ...], float | None]:
+    """What is to be said of a model that loads, and its slowest level flight, m/s, if any."""
+    from aircraft.airframe import load
+    from aircraft.slowest import complete, why_not
+
+    airframe = load(model, repaired=repaired)
+    settings = complete(model, repaired).flap_settings
+    told = airframe.repairs if settings else (*airframe.repairs, why_not(airframe))
+    return told, min((one.stall_speed for one in settings), default=None)
+
+
+def reason(error: Exception) -> str:
+    """The message, without the name of a scenario of our own."""
+    return str(error).splitlines()[0].split("] ", 1)[-1]

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import importlib.util
 import itertools
 import json
 import math
-import zipfile
-import zlib
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,10 +16,12 @@ from typing import Any
 import numpy as np
 
 from sim.errors import OutputError
-from sim.files import MARK, staged
+from sim.files import DAMAGED, MARK, opened, read_bytes, refuse_links, staged
 from sim.metrics.contrasts.pairing import TABLES
 from sim.reporting.run_files import with_unit
-from sim.studies.folder import IDENTITY, read_log
+from sim.scenario.schema import NAME
+from sim.studies.folder import IDENTITY, stamp
+from sim.studies.kept import flight_log
 
 RECORDS = ("flight", "measurements", "tracks")
 METRICS = "metrics.json"
@@ -52,15 +54,29 @@ def _tables(folder: Path) -> dict[str, Columns]:
         raise OutputError(f"{folder}: no such folder; name the folder that 'shortfinal run' or 'study' wrote")
     if not (folder / MARK).is_file():
         raise OutputError(f"{folder}: not a run folder; name one that 'shortfinal run' or 'study' wrote")
+    refuse_links(folder)
     if (folder / IDENTITY).is_file():
         return {"flights": _flights(folder)}
-    found = {
-        f"{record}.{group}" if group else record: _table(arrays)
-        for record in RECORDS
-        for group, arrays in _groups(_load(folder / f"{record}.npz")).items()
-    }
-    rows = _contrasts(folder / METRICS)
-    return found | ({"contrasts": {name: np.array([row[name] for row in rows]) for name in rows[0]}} if rows else {})
+    found: dict[str, Columns] = {}
+    for record in RECORDS:
+        with _undamaged(folder / f"{record}.npz") as file:
+            found |= {f"{record}.{name}" if name else record: _table(of) for name, of in _groups(_load(file)).items()}
+    with _undamaged(folder / METRICS) as file:
+        rows = _contrasts(file) if file.is_file() else []
+        return found | (
+            {"contrasts": {name: np.array([row[name] for row in rows]) for name in rows[0]}} if rows else {}
+        )
+
+
+@contextlib.contextmanager
+def _undamaged(path: Path) -> Iterator[Path]:
+    """Whatever fails within is the fault of this file, which may come from anywhere."""
+    try:
+        yield path
+    except FileNotFoundError:
+        raise OutputError(f"{path}: missing; run the scenario again") from None
+    except DAMAGED:
+        raise OutputError(f"{path}: damaged; run the scenario again") from None
 
 
 def _flights(folder: Path) -> Columns:
@@ -74,21 +90,26 @@ def _flights(folder: Path) -> Columns:
             "outcome": record["metrics"]["outcome"],
             **dict(scalars(record["metrics"])),
         }
-        for record in read_log(folder)
+        for record in _records(folder)
     ]
     if not rows:
         raise OutputError(f"{folder}: the study has no finished flight yet")
-    rows.sort(key=lambda row: (row["cell"], row["sample"], row["flight"]))
     names = dict.fromkeys(name for row in rows for name in row)
     return {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
 
 
+def _records(folder: Path) -> list[dict[str, Any]]:
+    """What was found on the finished flights of a study, in order."""
+    log = flight_log.read(folder, stamp(folder))
+    if log.faults:
+        where = f"{folder / flight_log.LOG}: {log.faults[0]}"
+        raise OutputError(f"{where}; 'shortfinal resume {folder}' takes such lines out and flies what is missing")
+    return [log.records[place] for place in sorted(log.records)]
+
+
 def _contrasts(path: Path) -> list[dict[str, Any]]:
     """One row for each figure of the contrasts of a run, over all its flights."""
-    try:
-        contrasts = json.loads(path.read_text(encoding="utf-8")).get("contrasts", []) if path.is_file() else []
-    except (OSError, ValueError):
-        raise OutputError(f"{path}: damaged; run the scenario again") from None
+    contrasts = json.loads(read_bytes(path)).get("contrasts", [])
     return [
         {
             **{"tracker": one["of"], "other": one["against"], "name": one["name"] or ""},
@@ -103,13 +124,8 @@ def _contrasts(path: Path) -> list[dict[str, Any]]:
 
 
 def _load(path: Path) -> Columns:
-    if not path.is_file():
-        raise OutputError(f"{path}: missing; run the scenario again")
-    try:
-        with path.open("rb") as file, np.load(file) as arrays:
-            return dict(arrays.items())
-    except (OSError, ValueError, TypeError, EOFError, RuntimeError, MemoryError, zipfile.BadZipFile, zlib.error):
-        raise OutputError(f"{path}: damaged; run the scenario again") from None
+    with os.fdopen(opened(path, os.O_RDONLY), "rb") as file, np.load(file) as arrays:
+        return dict(arrays.items())
 
 
 def _groups(arrays: Columns) -> dict[str, Columns]:
@@ -117,6 +133,8 @@ def _groups(arrays: Columns) -> dict[str, Columns]:
     groups: dict[str, Columns] = {}
     for name, array in arrays.items():
         group, _, own = name.rpartition(".")
+        if group and not NAME.fullmatch(group):
+            raise ValueError("a name that no sensor or tracker has")
         groups.setdefault(group, {})[own] = array
     return groups
 

@@ -2,11 +2,13 @@
 
 ``python -m sim.cli.fleet`` writes two tables that travel with the package: what stock models say of their own speeds
 (``aircraft/models/stock.toml``) and how each of them flew (``sim/cli/fleet.toml``); with names it renews their rows.
+``python -m sim.cli.fleet --root DIR`` flies every aircraft in a folder of others into ``out/fleet.toml``, with repairs.
 """
 
 from __future__ import annotations
 
 import math
+import os
 import sys
 import time
 import tomllib
@@ -15,11 +17,14 @@ from pathlib import Path
 from typing import Any
 
 from aircraft.errors import FlightError, ModelError, TrimError
+from sim.cli.doctor import reason
 from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import toml_writer as toml
 from sim.workers.executors import LocalExecutor, Lost
 
 TABLE = Path(__file__).parent / "fleet.toml"
+DEEPEST = 4  # folders in one another where aircraft of others are sought
+OTHERS = Path("out") / "fleet.toml"
 AIRCRAFT_TIME_LIMIT = 600.0  # s of one aircraft
 OFFSET = 3000.0  # m, from which the line is captured
 SPEED_MARGIN = 1.02  # of the manoeuvring speed over the least for which the flaps are set
@@ -44,7 +49,11 @@ def speeds(settings: Sequence[Any]) -> tuple[float, float]:
     return max(SPEED_MARGIN * MANOEUVRE_MARGIN * ordered[len(ordered) // 2].stall_speed, approach), approach
 
 
-def route_capture(model: str, speed: float) -> dict[str, Any]:
+def _aircraft(model: str, repaired: bool) -> dict[str, Any]:
+    return {"model": model, "repairs": True} if repaired else {"model": model}
+
+
+def route_capture(model: str, speed: float, repaired: bool = False) -> dict[str, Any]:
     """Tables of a scenario that captures one line from ``OFFSET``, as ``route_capture`` does with the An-26."""
     duration = 120.0 + 3.0 * OFFSET / speed
     leg = {"from_m": [0, 0], "to_m": [speed * (duration + 60.0), 0], "indicated_speed_mps": speed, "height_m": 600}
@@ -52,13 +61,13 @@ def route_capture(model: str, speed: float) -> dict[str, Any]:
         "name": "fleet_route_capture",
         "until_s": duration,
         "draws": 1,
-        "aircraft": {"model": model},
+        "aircraft": _aircraft(model, repaired),
         "start": {"leg": 0, "cross_track_m": OFFSET},
         "route": {"kind": "legs", "legs": [leg]},
     }
 
 
-def straight_in(model: str, speed: float, approach: float) -> dict[str, Any]:
+def straight_in(model: str, speed: float, approach: float, repaired: bool = False) -> dict[str, Any]:
     """Tables of a scenario that begins on a long final and lands; distances grow with the radius of the turns."""
     from aircraft.air import Air
     from aircraft.state import STANDARD_GRAVITY
@@ -73,7 +82,7 @@ def straight_in(model: str, speed: float, approach: float) -> dict[str, Any]:
     return {
         "name": "fleet_straight_in",
         "draws": 1,
-        "aircraft": {"model": model},
+        "aircraft": _aircraft(model, repaired),
         "start": {"phase": "final", "distance_m": straight},
         "route": {
             "kind": "pattern",
@@ -89,19 +98,19 @@ def straight_in(model: str, speed: float, approach: float) -> dict[str, Any]:
 # ---- what it answers, in its worker process ----------------------------------------------------------------------
 
 
-def described(model: str) -> dict[str, Any]:
+def described(model: str, repaired: bool = False) -> dict[str, Any]:
     """Flap settings and slowest speeds of a model by trims, or the reason why there are none."""
     from aircraft.airframe import load
     from aircraft.slowest import flap_settings as measured
     from aircraft.slowest import why_not
 
     try:
-        settings = measured(model)
-        told = {"repairs": list(load(model).repairs)}
+        settings = measured(model, repaired)
+        told = {"repairs": list(load(model, repaired=repaired).repairs)}
         if not settings:
-            return told | {"reason": why_not(load(model))}
+            return told | {"reason": why_not(load(model, repaired=repaired))}
     except (ModelError, FlightError, TrimError) as error:
-        return {"reason": _reason(error)}
+        return {"reason": reason(error)}
     return told | {
         "flap_settings": [
             {"flaps_deg": round(math.degrees(s.flaps), 2), "slowest_mps": round(s.stall_speed, 2)} for s in settings
@@ -117,7 +126,7 @@ def converged(model: str) -> dict[str, Any]:
     try:
         rate, found = converged_rate(straight_in(model, *_rounded(*speeds(complete(model).flap_settings))))
     except (ModelError, FlightError, TrimError, ScenarioError, ValueError) as error:
-        return {"reason": _reason(error)}
+        return {"reason": reason(error)}
     far = {f"at_{one.rate:.0f}_hz": [round(one.difference, 4), one.figure, one.air] for one in found}
     return {"rate_hz": rate} | far
 
@@ -126,29 +135,29 @@ def _rounded(manoeuvre: float, approach: float) -> tuple[float, float]:
     return max(round(manoeuvre, 1), math.ceil(10.0 * approach) / 10.0), round(approach, 1)
 
 
-def flown(model: str) -> dict[str, Any]:
+def flown(model: str, repaired: bool = False) -> dict[str, Any]:
     """The capture of a line and the straight-in approach of an aircraft, and its modes, as a plain table."""
     from aircraft.airframe import load
     from aircraft.slowest import complete
 
     try:
-        airframe, known = load(model), complete(model)
+        airframe, known = load(model, repaired=repaired), complete(model, repaired)
         manoeuvre, approach = _rounded(*speeds(known.flap_settings))
     except (ModelError, FlightError, TrimError) as error:
-        return {"reason": _reason(error)}
+        return {"reason": reason(error)}
     told: dict[str, Any] = {
         "mass_kg": round(airframe.mass),
         "speed_mps": manoeuvre,
         "approach_speed_mps": approach,
     }
     for name, tables in (
-        ("route_capture", route_capture(model, manoeuvre)),
-        ("straight_in", straight_in(model, manoeuvre, approach)),
+        ("route_capture", route_capture(model, manoeuvre, repaired)),
+        ("straight_in", straight_in(model, manoeuvre, approach, repaired)),
     ):
         try:
             told |= _flight(name, tables)
         except (ScenarioError, ValueError, FlightError) as error:
-            told[name] = {"outcome": "refused", "reason": _reason(error)}
+            told[name] = {"outcome": "refused", "reason": reason(error)}
     return told
 
 
@@ -176,7 +185,7 @@ def _modes(prepared: Any) -> dict[str, Any]:
     from aircraft.trim import trim
 
     leg = prepared.route.legs[0]
-    airframe = load(prepared.scenario.aircraft.model)
+    airframe = load(prepared.scenario.aircraft.model, repaired=prepared.scenario.aircraft.repairs)
     try:
         found = modes(linearise(airframe, trim(airframe, leg.speed, 0.0, leg.height, prepared.autopilot.flaps)))
     except (ValueError, TrimError) as error:
@@ -189,11 +198,6 @@ def _modes(prepared: Any) -> dict[str, Any]:
             for each in found
         }
     }
-
-
-def _reason(error: Exception) -> str:
-    """The message, without the name of the temporary scenario."""
-    return str(error).splitlines()[0].split("] ", 1)[-1]
 
 
 # ---- all of them -------------------------------------------------------------------------------------------------
@@ -259,10 +263,54 @@ def _shown(found: Iterator[tuple[str, dict[str, Any]]], total: int) -> Iterator[
         yield name, told
 
 
+def found_in(root: Path) -> list[str]:
+    """Every aircraft of a folder and what lies in it, as a scenario names it; links are left alone."""
+    from aircraft.model_files import candidates
+
+    found: list[str] = []
+    for place, inside, _ in os.walk(root.absolute()):
+        found += map(str, candidates(Path(place)))
+        if len(Path(place).relative_to(root.absolute()).parts) == DEEPEST:
+            inside.clear()
+    return sorted(found)
+
+
+def of_others(models: Sequence[str]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """What each aircraft says and how it flew, with repairs; one that aborts or hangs is answered by what it did."""
+    from sim.scenario.reading import read
+    from sim.workers.isolation import run_isolated
+
+    for model in models:
+        told: dict[str, Any] = {}
+        try:
+            scenario = read({"name": "fleet", "aircraft": _aircraft(model, True)})
+            for ask in (described, flown):
+                told |= run_isolated(scenario, AIRCRAFT_TIME_LIMIT, ask, model, True)
+                if "reason" in told:
+                    break
+        except ScenarioError as error:
+            told["reason"] = reason(error)
+        yield model, told
+
+
+def fly_others(root: Path, to: Path) -> None:
+    """Fly every aircraft of a folder and write what each answered."""
+    models = found_in(root)
+    if not models:
+        raise SystemExit(f"no aircraft in '{root}'")
+    rows = {}
+    for model, told in _shown(of_others(models), len(models)):
+        rows[str(Path(model).relative_to(root.absolute()))] = {key: value for key, value in told.items() if value}
+        to.parent.mkdir(parents=True, exist_ok=True)
+        to.write_text(toml.dumps({"aircraft": rows}), encoding="utf-8")
+
+
 def main(names: Sequence[str]) -> None:
-    """Measure the named stock aircraft, or all, into the tables."""
+    """Measure the named stock aircraft, or all, into the tables; or those of a folder of others."""
     from aircraft.model_files import available
 
+    if len(names) == 2 and names[0] == "--root":
+        return fly_others(Path(names[1]), OTHERS)
     stock = [name for name, origin in available().items() if origin.startswith("stock")]
     unknown = [name for name in names if name not in stock]
     if unknown:

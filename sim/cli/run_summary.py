@@ -7,15 +7,17 @@ from typing import Any
 
 from sim.cli.terminal import table
 from sim.metrics.conformance import conformance_sentence
+from sim.metrics.ensemble.exceedance import answer
 from sim.metrics.navigation import beside
-from sim.reporting.text.broken_checks import broken_checks
+from sim.reporting.text.broken_checks import Again, broken_checks, chosen
+from sim.reporting.text.rows import flights_of
 
 MOST_REASONS = 3  # of flights that crashed, or were refused
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
 AHEAD = "position_m"  # what a look-ahead is about
 
 
-def summary(metrics: dict[str, Any], again: str, said: Sequence[str] = (), contrasted: Sequence[str] = ()) -> str:
+def summary(metrics: dict[str, Any], again: Again, said: Sequence[str] = (), contrasted: Sequence[str] = ()) -> str:
     """One sentence on what happened, the trackers, then the checks as an aligned table.
 
     ``again`` is how a flight is flown again, as ``run_again`` gives it; ``said`` are warnings that were said;
@@ -92,13 +94,22 @@ def _number(value: float | str | None) -> str:
     return "-" if value is None else f"{value:.4g}"
 
 
-def study_summary(metrics: dict[str, Any], again: str) -> str:
-    """How all flights ended, then the checks as an aligned table; ``again`` as in `summary`."""
+def study_summary(metrics: dict[str, Any], again: Again) -> str:
+    """How all flights ended, how often they broke a check, the checks as a table, and the worst flight.
+
+    ``again`` as in `summary`.
+    """
     ended = _ended(metrics["outcomes"])
-    lines = [f"{metrics['scenario']}: {metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}"]
+    lines = [f"{metrics['scenario']}: {flights_of(metrics)}: {ended}"]
+    lines += [metrics["answer"]] if "answer" in metrics else []
+    lines += [answer(metrics)] if "exceedances" in metrics else []
     for outcome, name in (("crashed", "crashes"), ("refused", "refusals")):
         lines += [f"{outcome}: {reason}" for reason in metrics.get(name, ())[:MOST_REASONS]]
     if metrics["checks"]:
         lines += ["", *_checks(metrics["checks"], True)]
     failed = broken_checks(metrics, again)
+    if metrics["checks"] and not failed:
+        worst = metrics["worst"]
+        how = again(worst["flight"], chosen(worst["values"], metrics))
+        failed = [f"nearest to a limit: flight {worst['flight']}: {how}"]
     return "\n".join([*lines, "", *failed] if failed else lines)

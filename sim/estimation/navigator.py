@@ -22,7 +22,7 @@ from sim.observation.sensor import ask as ask_sensor
 from sim.randomness import Streams
 from sim.scenario.tables import SensorFault
 from tracking.gaussian import Gaussian, Mixture, merge
-from tracking.track import TrackerError, ask, believed, stepped
+from tracking.track import TrackerError, ask, believed, stepped, taken
 
 DECISION_HEIGHT = 60.0  # m; below, the height is the radio altimeter's
 
@@ -137,8 +137,8 @@ class Navigator:
                 sight = sight._replace(altimeter=self._last(index, "height", measured, sight.altimeter))
         if np.isnan(z).all():
             return sight
-        with np.errstate(divide="ignore", invalid="ignore"):  # a lost track is a result
-            tracker, _ = stepped(self.tracker, sight.tracker, arrival - sight.time, z, R)
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
+            tracker, _, _ = taken(self.tracker, sight.tracker, arrival - sight.time, z, R)
         return sight._replace(tracker=tracker, time=arrival, ahead=tracker, now=arrival)
 
     def _last(self, index: int, quantity: str, measured: np.ndarray, before: float) -> float:

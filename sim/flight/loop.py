@@ -14,7 +14,7 @@ from aircraft.errors import FlightError
 from aircraft.state import AircraftState, Command
 from autopilot.approach import PHASES
 from autopilot.route import Route
-from sim.flight.outcomes import LANDED, ROLLOUT, STOPPED, TOUCHDOWN_ASIDE, Limits, OutcomeMonitor
+from sim.flight.outcomes import LANDED, ROLLOUT, STOPPED, Limits, OutcomeMonitor
 from sim.flight.record import RECORD_STEP, Event, Flight
 
 MONITORED = 10  # records between two looks of the monitor, which looks at every one close to the ground
@@ -131,7 +131,7 @@ def roll_out(vehicle: Any, body: Any, route: Route, leg: int, runway: Any, gate_
         here = f"{past:.0f} m past the threshold, {abs(across):.1f} m off the centreline"
         if math.hypot(state.velocity_north, state.velocity_east) < STANDING:
             outcome, reason = STOPPED, f"stopped {here}"
-        elif abs(across) > TOUCHDOWN_ASIDE:
+        elif abs(across) > runway.touchdown_aside:
             outcome, reason = "excursion", f"left the runway {here}, at {state.ground_speed:.1f} m/s"
         elif len(states) * RECORD_STEP >= LONGEST_ROLLOUT:
             outcome, reason = "time_limit", f"still rolling {here}, at {state.ground_speed:.1f} m/s"

@@ -22,8 +22,6 @@ LANDED = "landed"  # the outcome after which an aircraft rolls out
 ROLLOUT = "rollout"  # the phase in which it does
 STOPPED = "stopped"  # the outcome of a roll-out that came to its end
 LONGEST_FLIGHT = 1800.0  # s
-TOUCHDOWN_BOX = (60.0, 823.0)  # m past the threshold [CS AWO.A.ALS.106, from memory]
-TOUCHDOWN_ASIDE = 21.0  # m off the centreline, of the same box: no scenario knows how wide its runway is
 SWINGS = 2  # from one bank to the other within one leg; a turn onto a leg and its capture are one
 STRUCTURE = TAIL + WING_TIP + FUSELAGE
 SUNK = -1.0  # m, height of an aircraft without a wheel between it and the runway
@@ -35,7 +33,7 @@ class Limits:
     """What ends a flight."""
 
     until: float | None  # s
-    runway: Any  # sim.tables.Runway: where the touchdown box lies
+    runway: Any  # sim.scenario.tables.Runway, with its touchdown box
     stall_angle: float = math.radians(20.0)  # rad
     bank: float = math.radians(60.0)
     load_factor: float = 3.0
@@ -109,13 +107,14 @@ class OutcomeMonitor:
 
         The reason says all of it, and behind each figure the limit that it is beyond.
         """
-        here = (*self.limits.runway.from_local(state.north, state.east), self.sink)
+        runway = self.limits.runway
+        here = (*runway.from_local(state.north, state.east), self.sink)
         self.touched = past, across, sink = self.touched or here
         sink = max(sink, self.sink)
         sunk = not state.main_wheels and not state.touched
         first = int(state.first_contact) or MAIN_WHEEL
         then = int(state.touched) & STRUCTURE & ~first
-        short, far = TOUCHDOWN_BOX
+        short, far, aside = runway.touchdown_from, runway.touchdown_to, runway.touchdown_aside
         figures = (
             (
                 f"{abs(past):.0f} m {'past' if past >= 0.0 else 'before'} the threshold",
@@ -124,8 +123,8 @@ class OutcomeMonitor:
             ),
             (
                 f"{abs(across):.1f} m off the centreline",
-                f"beside the box of {TOUCHDOWN_ASIDE:.0f} m",
-                abs(across) > TOUCHDOWN_ASIDE,
+                f"beside the box of {aside:.0f} m",
+                abs(across) > aside,
             ),
             (f"sink {sink:.2f} m/s", f"harder than {HARDEST_LANDING:.2f} m/s", sink > HARDEST_LANDING),
             (

@@ -253,7 +253,7 @@ def _decelerations(scenario: Scenario) -> dict[str, float]:
 
 def _data(scenario: Scenario) -> AircraftData:
     model = scenario.aircraft.model
-    known = AircraftData("point mass") if model == "point_mass" else complete(model)
+    known = AircraftData("point mass") if model == "point_mass" else complete(model, scenario.aircraft.repairs)
     if model == "point_mass" and scenario.aircraft.factors:
         raise ModelError("the point mass has no factors")
     mass = scenario.aircraft.mass
@@ -432,6 +432,7 @@ def _airframe(scenario: Scenario, rate: float | None = None) -> AirframeChoice:
         Place(runway.latitude, runway.longitude, runway.elevation, runway.heading),
         scenario.air,
         rate,
+        scenario.aircraft.repairs,
     )
 
 
@@ -446,6 +447,8 @@ def _warnings(scenario: Scenario, autopilot: Approach, aircraft: AircraftData, g
     north, east = scenario.wind.steady
     along, across = scenario.runway.from_local(north, east)
     told, landing = [], autopilot.landing
+    if scenario.aircraft.repairs and scenario.aircraft.model != "point_mass":
+        told += [f"the model is repaired: {text}" for text in _airframe(scenario).load().repairs]
     if landing is not None and landing.gate.sink > StabilisedGate.sink:
         sink, usual, allowed = (
             60.0 * speed / FOOT

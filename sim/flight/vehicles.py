@@ -54,6 +54,7 @@ class AirframeChoice(NamedTuple):
     runway: Runway | None = None
     air: Air | None = None  # None = the standard atmosphere
     rate: float | None = None  # Hz, of the equations of motion; None = as its data say
+    repaired: bool = False  # what waits for another simulator is mended
 
     def load(self) -> Airframe:
         """A fresh aircraft; raises ``ModelError`` for anything that cannot be loaded."""

@@ -24,7 +24,7 @@ def air(table: WindTable, runway: Runway, noise: np.random.Generator | None = No
     steady = SteadyWind(*table.steady)
     mean = steady if table.profile is None else ShearedWind(steady, table.tower, table.profile)
     turbulent = noise is not None and table.intensity > 0.0
-    course = runway.heading if table.speed == 0.0 else math.atan2(steady.east, steady.north)
+    course = runway.heading if table.strength == 0.0 else math.atan2(steady.east, steady.north)
     if isinstance(mean, SteadyWind) and not table.events:  # added up in one place, for speed
         return Turbulence(table.intensity, noise, steady, course, rate) if noise is not None and turbulent else steady
     parts: list[Any] = [mean, *table.events.values()]
@@ -49,12 +49,15 @@ def words(scenario: Scenario) -> list[str]:
     """The still air, wind, shear, turbulence and events, one phrase for each that there is."""
     table = scenario.wind
     said = [*still(scenario), "no steady wind"]
-    if table.speed > 0.0:
+    if table.strength > 0.0:
         measured = "" if table.profile is None else f" {table.tower:.3g} m up, {table.shear} shear"
-        said[-1] = f"wind from {math.degrees(table.from_) % 360:03.0f} deg at {table.speed:.1f} m/s{measured}"
+        north, east = table.steady
+        course = math.degrees(math.atan2(-east, -north)) % 360
+        said[-1] = f"wind from {course:03.0f} deg at {table.strength:.1f} m/s{measured}"
     if table.intensity > 0.0:
-        level = "" if table.turbulence == "none" else f"{table.turbulence} "
-        said.append(f"{level}turbulence, {table.intensity:.1f} m/s at 20 ft")
+        level = "" if table.turbulence in ("none", "by_wind") else f"{table.turbulence} "
+        whose = " of the mean wind" if table.turbulence == "by_wind" else ""
+        said.append(f"{level}turbulence{whose}, {table.intensity:.1f} m/s at 20 ft")
     return said + [f"{name}: {kind_in_words(scenario, name)} of {one.words()}" for name, one in table.events.items()]
 
 

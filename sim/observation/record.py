@@ -73,14 +73,12 @@ def _watch(flight: Flight, name: str, sensor: Any, streams: Streams, faults: lis
             sensor.channels, np.empty(0), np.empty(0), np.empty((0, m, streams.draws)), np.empty((0, m, m))
         )
     time, arrival, z, R, plots = zip(*looks, strict=True)
-    return SensorRecord(
-        sensor.channels,
-        np.array(time),
-        np.array(arrival),
-        np.array(z),
-        np.array(R),
-        None if plots[0] is None else np.array(plots),
-    )
+    try:
+        found = Measurements(sensor.channels, *map(np.array, (time, arrival, z, R)))
+    except ValueError as error:
+        raise ScenarioError(f"[sensors.{name}] step gives what is no measurement: {error}") from error
+    candidates = None if plots[0] is None else np.array(plots)
+    return SensorRecord(found.channels, found.time, found.arrival, found.z, found.R, candidates)
 
 
 def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> Measurements:

@@ -30,13 +30,29 @@ class Sampled(NamedTuple):
     """An axis of drawn values."""
 
     address: str
-    distribution: str  # uniform, latin_hypercube, sobol: within (first, second); normal: mean first, sigma second
-    first: float
-    second: float
+    distribution: str  # a key of FORMS
+    numbers: tuple[Any, ...]  # as the file gives them
+
+    @property
+    def typical(self) -> float:
+        """A value among those that are drawn."""
+        if self.distribution == "quantiles":
+            return float(self.numbers[0][1])
+        first, _, *bounds = self.numbers
+        return float(np.clip(first, *bounds)) if bounds else float(first)
 
 
 Axis = Listed | Sampled
-DISTRIBUTIONS = ("uniform", "normal", "latin_hypercube", "sobol")
+FORMS = {
+    "uniform": "[low, high]",
+    "normal": "[mean, sigma], or [mean, sigma, low, high] where nothing beyond is drawn",
+    "quantiles": "[[0, lowest], [share at or below, value], ..., [1, highest]]",
+    "latin_hypercube": "[low, high]",
+    "sobol": "[low, high]",
+}
+DISTRIBUTIONS = tuple(FORMS)
+STRATIFIED = ("latin_hypercube", "sobol")  # of these the draws of a study are not independent
+LEAST_KEPT = 1e-6  # of a normal within its bounds
 FIXED = ("name", "seed", "flights", "draws", "designed", "contrasts", "checks", "study")  # of a whole study; no axis
 
 
@@ -56,17 +72,57 @@ def axis(address: str, given: Any) -> Axis:
     (kind, numbers), *_ = given.items()
     if kind not in ("grid", *DISTRIBUTIONS):
         raise ValueError(f"{place}: no form '{kind}'; {did_you_mean(kind, ('grid', *DISTRIBUTIONS))}")
-    wanted = 3 if kind == "grid" else 2
-    if not isinstance(numbers, list | tuple) or len(numbers) != wanted or not all(map(_finite, numbers)):
-        raise ValueError(f"{place}: {kind} needs {wanted} finite numbers: {_forms(kind)}")
     if kind == "grid":
-        return Listed(address, _grid(place, *numbers))
-    first, second = map(float, numbers)
-    if kind == "normal" and second < 0:
+        return Listed(address, _grid(place, *_counted(place, kind, numbers, (3,))))
+    if kind == "quantiles":
+        return Sampled(address, kind, _quantiles(place, numbers))
+    counts = (2, 4) if kind == "normal" else (2,)
+    return Sampled(address, kind, _within_bounds(place, kind, *_counted(place, kind, numbers, counts)))
+
+
+def _counted(place: str, kind: str, numbers: Any, counts: Sequence[int]) -> tuple[float, ...]:
+    """So many finite numbers."""
+    if not isinstance(numbers, list | tuple) or len(numbers) not in counts or not all(map(_finite, numbers)):
+        wanted = " or ".join(map(str, counts))
+        raise ValueError(f"{place}: {kind} needs {wanted} finite numbers: {_forms(kind)}")
+    return tuple(map(float, numbers))
+
+
+def _within_bounds(place: str, kind: str, first: float, second: float, *bounds: float) -> tuple[float, ...]:
+    if kind != "normal":
+        if not first < second:
+            raise ValueError(f"{place}: {kind} needs its low end below its high end, not {first:g} and {second:g}")
+        return first, second
+    if second < 0:
         raise ValueError(f"{place}: sigma must not be negative, not {second:g}")
-    if kind != "normal" and not first < second:
-        raise ValueError(f"{place}: {kind} needs its low end below its high end, not {first:g} and {second:g}")
-    return Sampled(address, kind, first, second)
+    if bounds and not bounds[0] < bounds[1]:
+        raise ValueError(f"{place}: normal needs its low end below its high end, not {bounds[0]:g} and {bounds[1]:g}")
+    if bounds and (second == 0 or np.diff(_shares(first, second, bounds))[0] < LEAST_KEPT):
+        raise ValueError(f"{place}: almost nothing of this normal lies within {bounds[0]:g} and {bounds[1]:g}")
+    return (first, second, *bounds)
+
+
+def _shares(mean: float, sigma: float, bounds: Sequence[float]) -> Any:
+    """Shares of a normal at or below its bounds."""
+    from scipy.special import ndtr
+
+    return ndtr((np.array(bounds) - mean) / sigma)
+
+
+def _quantiles(place: str, given: Any) -> tuple[tuple[float, float], ...]:
+    """Points of a cumulative distribution, between which it is straight."""
+    pairs = given if isinstance(given, list | tuple) else ()
+    if len(pairs) < 2 or not all(isinstance(one, list | tuple) and len(one) == 2 for one in pairs):
+        raise ValueError(f"{place}: quantiles needs two or more pairs of a share and a value: {_forms('quantiles')}")
+    if not all(_finite(number) for one in pairs for number in one):
+        raise ValueError(f"{place}: quantiles needs finite numbers: {_forms('quantiles')}")
+    points = tuple((float(share), float(value)) for share, value in pairs)
+    shares, values = zip(*points, strict=True)
+    if shares[0] != 0.0 or shares[-1] != 1.0 or not all(a < b for a, b in itertools.pairwise(shares)):
+        raise ValueError(f"{place}: the shares of quantiles rise from 0 to 1")
+    if not all(a <= b for a, b in itertools.pairwise(values)):
+        raise ValueError(f"{place}: the values of quantiles must not fall as their shares rise")
+    return points
 
 
 def _grid(place: str, low: float, high: float, count: float) -> tuple[float, ...]:
@@ -82,8 +138,7 @@ def _finite(value: Any) -> bool:
 
 
 def _forms(only: str | None = None) -> str:
-    forms = {"grid": "{ grid = [low, high, count] }", "normal": "{ normal = [mean, sigma] }"}
-    forms |= {kind: f"{{ {kind} = [low, high] }}" for kind in DISTRIBUTIONS if kind != "normal"}
+    forms = {kind: f"{{ {kind} = {form} }}" for kind, form in {"grid": "[low, high, count]", **FORMS}.items()}
     return forms[only] if only else ", ".join(forms.values())
 
 
@@ -101,21 +156,40 @@ def samples(axes: Sequence[Axis], count: int, seed: int) -> tuple[dict[str, floa
     columns: dict[str, Any] = {}
     for kind in DISTRIBUTIONS:
         chosen = [one for one in axes if isinstance(one, Sampled) and one.distribution == kind]
-        for one, unit in zip(chosen, _unit(kind, chosen, count, seed), strict=True):
-            columns[one.address] = (
-                one.first + one.second * unit if kind == "normal" else one.first + (one.second - one.first) * unit
-            )
+        units = _stratified(kind, len(chosen), count, seed) if kind in STRATIFIED else None
+        for number, one in enumerate(chosen):
+            generator = stream(seed, 0, 0, f"study.{one.address}")
+            columns[one.address] = _drawn(one, generator, count) if units is None else _spanned(one, units[number])
     return tuple({address: float(column[i]) for address, column in columns.items()} for i in range(count))
 
 
-def _unit(kind: str, chosen: list[Sampled], count: int, seed: int) -> Any:
-    """Draws of each axis: standard normal, or uniform on 0..1."""
-    if kind in ("uniform", "normal"):
-        streams = [stream(seed, 0, 0, f"study.{one.address}") for one in chosen]
-        return [g.standard_normal(count) if kind == "normal" else g.random(count) for g in streams]
-    if not chosen:
-        return []
+def _drawn(axis: Sampled, generator: np.random.Generator, count: int) -> Any:
+    """Independent draws of one axis."""
+    if axis.distribution == "normal":
+        mean, sigma, *bounds = axis.numbers
+        if not bounds:
+            return mean + sigma * generator.standard_normal(count)
+        from scipy.special import ndtri
+
+        low, high = _shares(mean, sigma, bounds)
+        return np.clip(mean + sigma * ndtri(low + (high - low) * generator.random(count)), *bounds)
+    if axis.distribution == "quantiles":
+        shares, values = zip(*axis.numbers, strict=True)
+        return np.interp(generator.random(count), shares, values)
+    return _spanned(axis, generator.random(count))
+
+
+def _spanned(axis: Sampled, unit: Any) -> Any:
+    """Values between the ends of an axis, of numbers on 0..1."""
+    low, high = axis.numbers
+    return low + (high - low) * unit
+
+
+def _stratified(kind: str, dimensions: int, count: int, seed: int) -> Any:
+    """Points that fill the unit cube evenly, (dimensions, count)."""
+    if not dimensions:
+        return ()
     from scipy.stats import qmc
 
     engine = qmc.Sobol if kind == "sobol" else qmc.LatinHypercube
-    return engine(len(chosen), rng=stream(seed, 0, 0, f"study.{kind}")).random(count).T
+    return engine(dimensions, rng=stream(seed, 0, 0, f"study.{kind}")).random(count).T

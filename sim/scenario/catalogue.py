@@ -6,12 +6,17 @@ This is what is bundled; `sim.scenario.plugins` adds what is brought from outsid
 from __future__ import annotations
 
 import dataclasses
+import functools
 import importlib
+import os
 import pkgutil
+import sys
 from importlib import resources
+from types import ModuleType
 from typing import Any
 
 from sim.errors import ScenarioError
+from sim.scenario.parameters import cached
 
 FOLDERS = {
     "sensors": ("sim.observation.sensors", "step"),
@@ -35,8 +40,14 @@ CONTRACTS = {  # family -> the module with its MEMBERS, its DEFAULTS, and what t
 def kinds(family: str) -> list[str]:
     """Names of all kinds of a family, without importing any of them."""
     package, _ = FOLDERS[family]
-    found = pkgutil.iter_modules(importlib.import_module(package).__path__)
-    return sorted(module.name for module in found if not module.name.startswith("_"))
+    places = tuple(importlib.import_module(package).__path__)
+    return list(_kinds_in(places, tuple(os.stat(place).st_mtime_ns for place in places)))
+
+
+@functools.lru_cache(maxsize=64)
+def _kinds_in(places: tuple[str, ...], changed: tuple[int, ...]) -> tuple[str, ...]:
+    """Names of the modules in folders, looked up again when one of them has changed."""
+    return tuple(sorted(found.name for found in pkgutil.iter_modules(places) if not found.name.startswith("_")))
 
 
 def load(family: str, kind: str) -> type[Any]:
@@ -45,12 +56,19 @@ def load(family: str, kind: str) -> type[Any]:
     Raises ``KeyError`` for a kind that has no file, ``ScenarioError`` for a file that defines none.
     """
     package, method = FOLDERS[family]
-    if kind not in kinds(family):
-        raise KeyError(kind)
     try:
-        module = importlib.import_module(f"{package}.{kind}")
+        module = sys.modules.get(f"{package}.{kind}")
+        if module is None:
+            if kind not in kinds(family):
+                raise KeyError(kind)
+            module = importlib.import_module(f"{package}.{kind}")
     except SyntaxError as error:
         raise ScenarioError(f"{package}.{kind}: cannot be imported: {error.msg} (line {error.lineno})") from None
+    return _class_in(module, family, method)
+
+
+@cached
+def _class_in(module: ModuleType, family: str, method: str) -> type[Any]:
     found = [
         thing
         for thing in vars(module).values()
@@ -66,6 +84,7 @@ def load(family: str, kind: str) -> type[Any]:
     return completed(family, found[0]) if family in CONTRACTS else found[0]
 
 
+@cached
 def completed(family: str, cls: type[Any]) -> type[Any]:
     """The class with the members of its family that it may leave out, each as the contract's ``DEFAULTS`` have it."""
     own = {*own_members(cls), *getattr(cls, "__dataclass_fields__", ())}

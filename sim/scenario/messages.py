@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import typing
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -106,6 +107,7 @@ def stem(key: str) -> str:
     return key[: -len(max(endings, key=len)) - 1] if endings else key
 
 
+@functools.lru_cache(maxsize=1024)
 def quantity(key: str) -> str:
     """What a key sets, whatever its unit, and whether as a true or as an indicated airspeed."""
     return stem(key).removeprefix("indicated_")

@@ -28,7 +28,7 @@ INDICATED = "indicated"  # after the unit of a true airspeed; before an undersco
 MOST = 10**9  # of whole numbers, either way
 
 
-def _cached(function: Callable[P, R]) -> Callable[P, R]:
+def cached(function: Callable[P, R]) -> Callable[P, R]:
     """The function with its results kept; to type checkers ``functools.cache`` would forget what it takes."""
     return typing.cast(Callable[P, R], functools.cache(function))
 
@@ -57,7 +57,7 @@ class Parameter:
         return spellings(f"{INDICATED}_{self.name}", self.unit) if self.is_airspeed and self.unit else {}
 
 
-@_cached
+@cached
 def parameters(cls: type) -> tuple[Parameter, ...]:
     """The fields of ``cls`` that a file may set."""
     hints = typing.get_type_hints(cls, include_extras=True)
@@ -77,7 +77,7 @@ def parameters(cls: type) -> tuple[Parameter, ...]:
     return tuple(found)
 
 
-@_cached
+@cached
 def _finite(unit: str | None, factor: float) -> Any:
     """A strict number of a size that something real has; ``factor`` is that of a key to the SI unit."""
     least, most = (float(f"{size / factor:.3g}") for size in (PLAIN if unit is None else MAGNITUDES[unit]))
@@ -112,7 +112,7 @@ def _numbers(hint: Any, unit: str | None, factor: float = 1.0) -> Any:
     return hint
 
 
-@_cached
+@cached
 def model_of(
     cls: type,
     kind: str | None = None,
@@ -143,9 +143,11 @@ def model_of(
     if kind is not None:
         fields["kind"] = (typing.Literal[kind], kind if defaulted_kind else ...)
 
+    spelt = [parameter for parameter in wanted if len(parameter.keys) > 1]
+
     def one_spelling(table: Any) -> Any:
         if isinstance(table, dict):
-            for parameter in wanted:
+            for parameter in spelt:
                 used = [key for key in parameter.keys if key in table]
                 if len(used) > 1 and len({key in parameter.indicated_keys for key in used}) > 1:
                     raise ValueError(
@@ -153,7 +155,7 @@ def model_of(
                     )
                 if len(used) > 1:
                     raise ValueError(f"'{used[0]}' and '{used[1]}' are two spellings of one value; keep one")
-                if not used and parameter.required and not partial and len(parameter.keys) > 1:
+                if not used and parameter.required and not partial:
                     wrong = [f", '{key}' is no unit of it" for key in table if stem(key) == parameter.name]
                     raise ValueError(f"'{next(iter(parameter.keys))}' is missing{''.join(wrong[:1])}")
         return table
@@ -185,20 +187,20 @@ def construct(cls: type, table: dict[str, Any], true_share: TrueShare | None = N
 
     Raises ``ValueError`` in the class's own words when a value is out of its range.
     """
-    fields = {field.name for field in dataclasses.fields(cls)}
+    fields = {field.name for field in dataclasses.fields(cls)} if given else ()
     asked = {name: value for name, value in given.items() if name in fields}
     return cls(**{**asked, **given_values(cls, table, true_share)})
 
 
 def given_values(cls: type, table: dict[str, Any], true_share: TrueShare | None = None) -> dict[str, Any]:
     """What a validated table sets of the fields of a class, by field, in SI."""
+    keys = _keys(cls)
     found = {
-        parameter.attribute: _to_si(parameter.kind, table[key], factor, true_share)
-        for parameter in parameters(cls)
-        for key, factor in parameter.keys.items()
-        if table.get(key) is not None
+        keys[key][0].attribute: _to_si(keys[key][0].kind, value, keys[key][1], true_share)
+        for key, value in table.items()
+        if value is not None and key in keys
     }
-    indicated = [one for one in parameters(cls) if any(table.get(key) is not None for key in one.indicated_keys)]
+    indicated = [one for one in _airspeeds(cls) if any(table.get(key) is not None for key in one.indicated_keys)]
     if indicated:
         assert true_share is not None, f"{cls.__name__} has indicated airspeeds, but no air"
         defaults = {one.attribute: one.default for one in parameters(cls) if not one.required}
@@ -207,7 +209,20 @@ def given_values(cls: type, table: dict[str, Any], true_share: TrueShare | None 
     return found
 
 
+@cached
+def _keys(cls: type) -> dict[str, tuple[Parameter, float]]:
+    """Every key of a class, with what it sets and its factor to SI."""
+    return {key: (one, factor) for one in parameters(cls) for key, factor in one.keys.items()}
+
+
+@cached
+def _airspeeds(cls: type) -> tuple[Parameter, ...]:
+    return tuple(one for one in parameters(cls) if one.is_airspeed)
+
+
 def _to_si(hint: Any, value: Any, factor: float, true_share: TrueShare | None) -> Any:
+    if isinstance(value, float):
+        return value * factor
     nested = _nested(hint)
     if nested is not None and isinstance(value, dict):
         return construct(nested, value, true_share)
@@ -221,6 +236,7 @@ def _to_si(hint: Any, value: Any, factor: float, true_share: TrueShare | None) -
     return float(value) * factor
 
 
+@cached
 def _nested(hint: Any) -> type | None:
     for candidate in (hint, *typing.get_args(hint)):
         if dataclasses.is_dataclass(candidate) and isinstance(candidate, type):
@@ -228,10 +244,13 @@ def _nested(hint: Any) -> type | None:
     return None
 
 
-def dump(instance: Any) -> dict[str, Any]:
-    """A table that reads back as ``instance``, in the preferred spellings; what is None is left out."""
+def dump(instance: Any, *chosen: Parameter) -> dict[str, Any]:
+    """A table that reads back as ``instance``, in the preferred spellings; what is None is left out.
+
+    Of single parameters, where some are chosen.
+    """
     table: dict[str, Any] = {}
-    for parameter in parameters(type(instance)):
+    for parameter in chosen or parameters(type(instance)):
         value = getattr(instance, parameter.attribute)
         if value is None:
             continue
@@ -252,6 +271,7 @@ def _from_si(value: Any, factor: float) -> Any:
     return _shortest(float(value), factor)
 
 
+@functools.lru_cache(maxsize=4096)
 def _shortest(value: float, factor: float) -> float:
     """The shortest decimal that converts back to exactly ``value``."""
     if factor == 1.0:

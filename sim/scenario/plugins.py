@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 
 from sim.errors import OutputError, ScenarioError, did_you_mean, printable
 from sim.scenario import catalogue
-from sim.scenario.parameters import model_of, parameters
+from sim.scenario.parameters import cached, model_of, parameters
 
 OURS = ("aircraft", "autopilot", "tracking", "sim")
 FAMILIES = ("sensors", "trackers", "modes", "wind_events")
@@ -195,6 +195,7 @@ def class_of(part: Part) -> type[Any]:
     return found
 
 
+@cached
 def lack(cls: type[Any], family: str) -> str | None:
     """What a class has not that every class of its family has."""
     own = {field.name for field in dataclasses.fields(cls)} | catalogue.own_members(cls)
@@ -204,6 +205,7 @@ def lack(cls: type[Any], family: str) -> str | None:
     return f"has no {' and no '.join(repr(name) for name in missing)}; 'shortfinal contract' says what it needs"
 
 
+@cached
 def fault(cls: type[Any], family: str) -> str | None:
     """What keeps a class from being read from tables and from travelling, whatever it does; None = nothing."""
     if not dataclasses.is_dataclass(cls) or not cls.__dataclass_params__.frozen:  # type: ignore[attr-defined]

@@ -105,13 +105,18 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
     ours = bundled.bundled(str(source))
     origin = str(path) if ours is None else f"{source}.toml"
     content = _content(path, str(source)) if ours is None else ours.read_bytes()
+    tables = parsed(origin, content)
+    if not tables:
+        raise ScenarioError(f"{origin}: says nothing; 'shortfinal new FILE.toml' writes a scenario to start from")
+    return origin, {"name": path.name.removesuffix(".toml").removesuffix(".scenario"), **tables}
+
+
+def parsed(origin: str, content: bytes) -> dict[str, Any]:
+    """The tables of a file, which may be anybody's; raises ``ScenarioError`` in one sentence."""
     if max(piece.count(b".") for piece in re.split(rb"[=,\[\]{}\n]", content)) > DEEPEST:
         raise ScenarioError(f"{origin}: not TOML: nested too deeply")
     try:
-        return origin, {
-            "name": path.name.removesuffix(".toml").removesuffix(".scenario"),
-            **tomllib.loads(content.decode("utf-8-sig")),
-        }
+        return tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError:
         raise ScenarioError(f"{origin}: not UTF-8 text; save the file as UTF-8") from None
     except RecursionError:
@@ -141,7 +146,7 @@ def _content(path: Path, source: str) -> bytes:
 
 def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_checks: list[str]) -> Scenario:
     faults: list[str] = []
-    model = file_model(parts_of(tables, faults, catalogue))
+    model = file_model(**parts_of(tables, faults, catalogue))
     try:
         model.model_validate(tables)
     except ValidationError as error:
@@ -202,7 +207,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         "modes": modes,
         "law": given_values(modes[mode], law_table),
         "designed": tables.get("designed"),
-        "wind": _construct(faults, "[wind]", WindTable, wind_table, events=events),
+        "wind": _construct(faults, "[wind]", WindTable, wind_table, events=events, runway=runway),
         "sensors": sensors,
         "trackers": trackers,
         **{
@@ -365,10 +370,7 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
 
 def _completed(instance: Any, given: dict[str, Any]) -> dict[str, Any]:
     table: dict[str, Any] = {}
-    defaults = dump(instance)
     for parameter in parameters(type(instance)):
-        used = [key for key in parameter.keys if key in given]
-        key = used[0] if used else next(iter(parameter.keys))
-        if used or key in defaults:
-            table[key] = given[key] if used else defaults[key]
+        key = next((key for key in parameter.keys if key in given), None)
+        table |= dump(instance, parameter) if key is None else {key: given[key]}
     return table

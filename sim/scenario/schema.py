@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import types
 import typing
@@ -30,9 +31,11 @@ from sim.scenario.tables import (
     WindTable,
 )
 
+MOST_MODELS = 256  # that are kept of one sort; files that differ in numbers alone share theirs
 MOST_NAMES = 50  # sensors or trackers of one scenario
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 ROUTES = {"pattern": PatternTable, "legs": LegsTable}
+RESERVED = {"trackers": {"truth": "'truth' is the motion itself, as [autopilot] navigation has it"}}
 FROM_OUTSIDE = "; others come with --plugin FILE"
 LAW_GIVEN = ("bank_limit",)  # stands in [autopilot] itself
 DESIGNED = (
@@ -52,10 +55,12 @@ class TrackerTable(BaseModel):
     law: dict[str, Annotated[float, Field(allow_inf_nan=False, strict=True)]] | None = None
 
 
+@functools.cache
 def _tracker_model(cls: type, kind: str) -> type[BaseModel]:
     return create_model(f"{kind}_tracker", __base__=(TrackerTable, model_of(cls, kind)))
 
 
+@functools.cache
 def _autopilot_model(cls: type, kind: str) -> type[BaseModel]:
     law: Any = model_of(cls, partial=True, without=LAW_GIVEN)
     return create_model(
@@ -75,6 +80,7 @@ def _route_model(kind: str) -> type[BaseModel]:
     return model_of(ROUTES[kind], kind, defaulted_kind=kind == "pattern")
 
 
+@functools.lru_cache(maxsize=MOST_MODELS)
 def _wind_model(events: Any) -> type[BaseModel]:
     return create_model("wind", __base__=model_of(WindTable), events=(events, {}))
 
@@ -89,8 +95,9 @@ def _optional(cls: type) -> Any:
     return model_of(cls) | None
 
 
-def file_model(parts: dict[str, Any]) -> type[BaseModel]:
-    """The model of a whole file; ``parts`` gives the types of the tables that have kinds."""
+@functools.lru_cache(maxsize=MOST_MODELS)
+def file_model(route: Any, autopilot: Any, wind: Any, sensors: Any, trackers: Any) -> type[BaseModel]:
+    """The model of a whole file, from the types of the tables that have kinds; making one takes long."""
     text = Annotated[str, Field(pattern=f"^{NAME.pattern}$")]
     return create_model(
         "Scenario",
@@ -110,7 +117,11 @@ def file_model(parts: dict[str, Any]) -> type[BaseModel]:
         contrasts=(_entries(Contrast), []),
         checks=(_entries(Check), []),
         study=(_optional(StudyTable), None),
-        **parts,
+        route=(route, None),
+        autopilot=(autopilot, None),
+        wind=(wind, None),
+        sensors=(sensors, {}),
+        trackers=(trackers, {}),
     )
 
 
@@ -128,13 +139,13 @@ def schema(catalogue: Catalogue = BUNDLED) -> dict[str, Any]:
         return types.GenericAlias(dict, (str, models(family)))
 
     parts: dict[str, Any] = {
-        "route": (union([_route_model(kind) for kind in ROUTES]), None),
-        "wind": (_wind_model(named("wind_events")), None),
-        "autopilot": (models("modes"), None),
-        "sensors": (named("sensors"), {}),
-        "trackers": (named("trackers"), {}),
+        "route": union([_route_model(kind) for kind in ROUTES]),
+        "wind": _wind_model(named("wind_events")),
+        "autopilot": models("modes"),
+        "sensors": named("sensors"),
+        "trackers": named("trackers"),
     }
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **file_model(parts).model_json_schema()}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **file_model(**parts).model_json_schema()}
 
 
 def owner_of(tables: dict[str, Any], place: list[Any], key: str) -> str | None:
@@ -155,17 +166,17 @@ def parts_of(tables: dict[str, Any], faults: list[str], catalogue: Catalogue) ->
     parts: dict[str, Any] = {}
     route = kind_of(tables.get("route", {}), "pattern")
     if route in list(ROUTES):  # it may be anything, also what cannot be a key
-        parts["route"] = (_route_model(route), None)
+        parts["route"] = _route_model(route)
     else:
         faults.append(f"[route] kind: no kind '{route}'; {did_you_mean(str(route), ROUTES)}")
-        parts["route"] = (Any, None)
+        parts["route"] = Any
     mode = kind_of(tables.get("autopilot", {}), "lateral_navigation")
-    parts["autopilot"] = (_model(catalogue, "modes", mode, "autopilot", faults), None)
-    parts["sensors"] = (_members("sensors", "sensors", tables.get("sensors"), faults, catalogue), {})
-    parts["trackers"] = (_members("trackers", "trackers", tables.get("trackers"), faults, catalogue), {})
+    parts["autopilot"] = _model(catalogue, "modes", mode, "autopilot", faults)
+    parts["sensors"] = _members("sensors", "sensors", tables.get("sensors"), faults, catalogue)
+    parts["trackers"] = _members("trackers", "trackers", tables.get("trackers"), faults, catalogue)
     wind = tables.get("wind")
     events = wind.get("events") if isinstance(wind, dict) else None
-    parts["wind"] = (_wind_model(_members("wind_events", "wind.events", events, faults, catalogue)), None)
+    parts["wind"] = _wind_model(_members("wind_events", "wind.events", events, faults, catalogue))
     return parts
 
 
@@ -192,12 +203,21 @@ def _members(family: str, place: str, named: Any, faults: list[str], catalogue: 
     for name, table in named.items() if isinstance(named, dict) else ():
         if not NAME.fullmatch(name):
             faults.append(f"[{place}.{name}]: a name starts with a letter and has letters, digits, _ and -")
+        if name in RESERVED.get(family, ()):
+            faults.append(f"[{place}.{name}]: {RESERVED[family][name]}; choose another name")
         if not isinstance(table, dict):
             faults.append(f"[{place}] {name}: must be a table with a 'kind'")
-            members[name] = (Any, ...)
+            members[name] = Any
         elif not (kind := kind_of(table, None)):
             faults.append(f"[{place}.{name}] kind: is missing")
-            members[name] = (Any, ...)
+            members[name] = Any
         else:
-            members[name] = (_model(catalogue, family, kind, f"{place}.{name}", faults), ...)
-    return create_model(family, __config__=ConfigDict(extra="forbid"), **members)
+            members[name] = _model(catalogue, family, kind, f"{place}.{name}", faults)
+    return _table_model(family, tuple(members.items()))
+
+
+@functools.lru_cache(maxsize=MOST_MODELS)
+def _table_model(family: str, members: tuple[tuple[str, Any], ...]) -> type[BaseModel]:
+    """The model of a table of these members, all of which are there."""
+    required: dict[str, Any] = {name: (model, ...) for name, model in members}
+    return create_model(family, __config__=ConfigDict(extra="forbid"), **required)

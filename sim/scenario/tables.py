@@ -46,6 +46,10 @@ class Runway:
     heading: Annotated[float, "rad"] = 0.0
     glide_path: Annotated[float, "rad"] = math.radians(8.0 / 3.0)
     aiming_point: Annotated[float, "m"] = 300.0
+    # where a touchdown is a landing, past the threshold and off the centreline [CS AWO.A.ALS.106, from memory]
+    touchdown_from: Annotated[float, "m"] = 60.0
+    touchdown_to: Annotated[float, "m"] = 823.0
+    touchdown_aside: Annotated[float, "m"] = 21.0  # also how far off a roll-out leaves the runway
 
     def __post_init__(self) -> None:
         if not abs(self.latitude) <= math.radians(85):
@@ -53,7 +57,10 @@ class Runway:
         if not 0 < self.glide_path <= math.radians(10):
             raise ValueError("glide_path must be above 0 and at most 10 degrees")
         _within(self, -500.0, 9000.0, "m", "elevation")
-        _within(self, -FARTHEST, FARTHEST, "m", "aiming_point")
+        _within(self, -FARTHEST, FARTHEST, "m", "aiming_point", "touchdown_from", "touchdown_to")
+        _within(self, 1.0, FARTHEST, "m", "touchdown_aside")
+        if not self.touchdown_from < self.touchdown_to:
+            raise ValueError("touchdown_from must lie before touchdown_to")
 
     def to_local(self, past_threshold: Any, right: Any) -> tuple[Any, Any]:
         """(north, east) of a point given along and to the right of the runway, m."""
@@ -90,6 +97,7 @@ class AircraftChoice:
     mass: Annotated[float | None, "kg"] = None
     centre_of_gravity_mac: float | None = None
     factors: dict[str, float] = field(default_factory=dict)
+    repairs: bool = False  # what waits for another simulator is mended, and told
 
     def __post_init__(self) -> None:
         if self.mass is not None and self.mass <= 0:
@@ -217,25 +225,37 @@ class AutopilotTable:
 
 
 TOWER = 10.0  # m above the ground, where wind is measured
+TWENTY_FEET = 6.096  # m above the ground, where the wind that sets turbulence is told
 
 
 @dataclass(frozen=True)
 class WindTable:
-    """Steady wind with its profile, Dryden turbulence whose intensity does not depend on it, and single events."""
+    """Steady wind with its profile, Dryden turbulence, and single events.
+
+    The wind is said by where it comes from and how fast, or by its components along and across the runway. The
+    intensity of the turbulence does not depend on it unless it is "by_wind": then the mean wind at 20 ft is what the
+    profile makes it there, which is what the specification means by it [MIL-F-8785C, 3.7.3].
+    """
 
     from_: Annotated[float, "rad"] = 0.0
     speed: Annotated[float, "m/s"] = 0.0
-    turbulence: Literal["none", "light", "moderate", "severe"] = "none"
+    headwind: Annotated[float | None, "m/s"] = None  # instead of from and speed; + against the landing aircraft
+    crosswind: Annotated[float | None, "m/s"] = None  # + from its right
+    turbulence: Literal["none", "light", "moderate", "severe", "by_wind"] = "none"
     w20: Annotated[float | None, "m/s"] = None
     shear: Literal["none", "logarithmic", "power"] = "none"
     reference_height: Annotated[float | None, "m"] = None  # where ``speed`` is measured; absent = 10 m
     roughness: Annotated[float | None, "m"] = None  # of the logarithmic profile
     exponent: float | None = None  # of the power profile
     events: Annotated[dict[str, Any], "given"] = field(default_factory=dict)  # gusts and microbursts by name
+    runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
     def __post_init__(self) -> None:
         if not 0 <= self.speed <= 100:
             raise ValueError("speed must lie within 0 and 100 m/s")
+        _within(self, -100.0, 100.0, "m/s", "headwind", "crosswind")
+        if self._by_components and (self.speed != 0.0 or self.from_ != 0.0):
+            raise ValueError("say 'from' and 'speed', or 'headwind' and 'crosswind', not both")
         if self.w20 is not None and self.turbulence != "none":
             raise ValueError("say 'turbulence' or 'w20_kt', not both")
         if self.w20 is not None and not 0 < self.w20 <= 50:
@@ -250,8 +270,20 @@ class WindTable:
         _ = self.profile  # its own limits
 
     @property
+    def _by_components(self) -> bool:
+        return self.headwind is not None or self.crosswind is not None
+
+    @property
+    def strength(self) -> float:
+        """Speed, m/s, where it is measured, however it is said."""
+        return math.hypot(*self.steady) if self._by_components else self.speed
+
+    @property
     def steady(self) -> tuple[float, float]:
         """The way the air moves, m/s (north, east), where it is measured; without shear, everywhere."""
+        if self._by_components:
+            north, east = self.runway.to_local(-(self.headwind or 0.0), -(self.crosswind or 0.0))
+            return float(north), float(east)
         return -self.speed * math.cos(self.from_), -self.speed * math.sin(self.from_)
 
     @property
@@ -277,6 +309,8 @@ class WindTable:
     @property
     def intensity(self) -> float:
         """Mean wind at 20 ft that sets the turbulence, m/s; 0 = smooth air."""
+        if self.turbulence == "by_wind":
+            return math.hypot(*self.at(TWENTY_FEET))
         return self.w20 if self.w20 is not None else INTENSITIES.get(self.turbulence, 0.0)
 
 
@@ -397,8 +431,8 @@ class StudyTable:
 
     axes: dict[str, Any] | None = None  # absent = nothing is varied: every sample is one more flight
     samples: int = 1
-    show: tuple[str, ...] = ()  # metrics that the report draws; absent = those of the checks, or the usual ones
-    theory: Literal["orbit", "energy", "gain"] | None = None  # the border that maps draw
+    show: tuple[str, ...] = ()  # what the report draws; absent = figures of checks, or the usual ones, and of trackers
+    theory: Literal["orbit", "energy", "gain", "limits"] | None = None  # what maps draw before they are flown
 
     def __post_init__(self) -> None:
         if self.axes is not None and not self.axes:

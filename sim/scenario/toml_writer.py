@@ -6,6 +6,7 @@ import json
 import re
 from typing import Any
 
+AXES = ("study", "axes")  # their order says which is drawn across and which up, so lists and grids are not parted
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
@@ -17,11 +18,12 @@ def dumps(table: dict[str, Any]) -> str:
 
 
 def _write(table: dict[str, Any], path: tuple[str, ...], lines: list[str]) -> None:
-    plain = {k: v for k, v in table.items() if v is not None and not _is_table(v)}
+    on_lines = path == AXES
+    plain = {k: v for k, v in table.items() if v is not None and (on_lines or not _is_table(v))}
     width = max((len(_key(k)) for k in plain), default=0)
     lines += [f"{_key(key):{width}} = {inline(value)}" for key, value in plain.items()]
     for key, value in table.items():
-        if value is None or not _is_table(value):
+        if key in plain or not _is_table(value):
             continue
         name = ".".join(_key(part) for part in (*path, key))
         for item in value if isinstance(value, list) else [value]:

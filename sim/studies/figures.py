@@ -1,4 +1,4 @@
-"""Figures of a study: maps over two chosen axes, curves over one, distributions where everything is drawn."""
+"""Figures of a study: maps over two chosen axes, curves over one, exceedances where everything is drawn."""
 
 from __future__ import annotations
 
@@ -8,9 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.metrics import table
+from sim.metrics.checks import OF_CONTRASTS, OF_TRACKERS, RATIOS, unit_of
+from sim.metrics.contrasts.pairing import TABLES
+from sim.metrics.ensemble.exceedance import Distribution, distribution
 from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart
 from sim.reporting.text.labels import named, split, words
+from sim.reporting.text.labels import unit as unit_words
 from sim.studies.theory import THEORIES, Line
 
 MOST_LINES = 6
@@ -44,7 +48,7 @@ def study_charts(
     """One chart for each shown figure, and one of outcomes where they differ over a map."""
     listed = [address for address, axis in metrics["axes"].items() if "values" in axis]
     if not listed:
-        return [_distribution(name, records, metrics["checks"]) for name in shown]
+        return _exceedances([distribution(name, records, scenario.checks) for name in shown])
     if len(listed) == 1:
         return [_curves(name, listed[0], None, metrics) for name in shown]
     fewest = min(len(metrics["axes"][address]["values"]) for address in listed[:2])
@@ -61,9 +65,10 @@ def _lines(scenario: Any, metrics: dict[str, Any], x: str, y: str) -> tuple[Line
     """What theory says about a map."""
     if scenario.study.theory is None:
         return ()
-    values = metrics["axes"][x]["values"]
-    fine = np.linspace(min(values), max(values), FINE)
-    return THEORIES[scenario.study.theory].lines(scenario, fine, np.array(metrics["axes"][y]["values"], float))
+    across, up = (np.array(metrics["axes"][address]["values"], float) for address in (x, y))
+    outer = edges(across)  # not the values, which lie within their cells
+    fine = np.linspace(outer[0], outer[-1], FINE)
+    return THEORIES[scenario.study.theory].lines(scenario, fine, np.unique([*edges(up)[[0, -1]], *up]))
 
 
 def _draw(axes: Any, lines: Sequence[Line]) -> None:
@@ -98,12 +103,28 @@ def label(name: str) -> str:
     above, slash, below = name.partition(" / ")
     if slash:
         return f"{label(above)} / {label(below)}"
-    own = name.removeprefix("trackers.").removeprefix("contrasts.").removeprefix("wind.events.")
-    text, unit = named(name) if table.find(name) else split(own.replace(".overall.", " ").replace(".", " "))
+    text, unit = _parts(name)
     return f"{text}, {unit}" if unit else text
 
 
-def _set(axis: Any, scale: Scale) -> None:
+def short(address: str) -> str:
+    """An axis within a sentence: without its unit, and without the tables that its words imply."""
+    return _parts(address)[0].removeprefix("autopilot ").removeprefix("law ")
+
+
+def _parts(name: str) -> tuple[str, str]:
+    """(words, printed unit) of a dotted name; the channel of a ratio has no unit."""
+    if name.startswith((OF_TRACKERS, OF_CONTRASTS)) and any(f".{part}." in name for part in TABLES):
+        parts = [part for part in name.split(".")[1:] if part != "overall"]
+        plain = (words(part) if part[0].isdigit() else split(part)[0] for part in parts)
+        suffix = unit_of(name)
+        return " ".join(plain), "" if suffix in RATIOS else unit_words(suffix)
+    own = name.removeprefix(OF_TRACKERS).removeprefix("wind.events.")
+    return named(name) if table.find(name) else split(own.replace(".", " "))
+
+
+def set_scale(axis: Any, scale: Scale) -> None:
+    """The label of a scale and its words, where it has any."""
     axis.set_label_text(scale.label)
     if scale.ticks is not None:
         axis.set_ticks(scale.at, scale.ticks)
@@ -111,12 +132,23 @@ def _set(axis: Any, scale: Scale) -> None:
 
 def _first_of_the_rest(metrics: dict[str, Any], kept: Sequence[str]) -> list[dict[str, Any]]:
     """Rows over the kept axes, at the first value of every other one."""
-    fixed = {
+    fixed = _fixed(metrics, kept)
+    return [row for row in metrics["rows"] if all(row[address] == value for address, value in fixed.items())]
+
+
+def _fixed(metrics: dict[str, Any], kept: Sequence[str]) -> dict[str, Any]:
+    """The first value of every chosen axis that is not kept."""
+    return {
         address: axis["values"][0]
         for address, axis in metrics["axes"].items()
         if "values" in axis and address not in kept
     }
-    return [row for row in metrics["rows"] if all(row[address] == value for address, value in fixed.items())]
+
+
+def _at_fixed(metrics: dict[str, Any], kept: Sequence[str]) -> str:
+    """A caption's last sentence: which cells are left out of the figure."""
+    fixed = ", ".join(f"{label(address)} = {value}" for address, value in _fixed(metrics, kept).items())
+    return f" Cells of {fixed}; the others are in the table." if fixed else ""
 
 
 def _table(metrics: dict[str, Any], x: str, y: str, get: Any) -> np.ndarray:
@@ -128,12 +160,13 @@ def _table(metrics: dict[str, Any], x: str, y: str, get: Any) -> np.ndarray:
     return table
 
 
-def _edges(at: np.ndarray) -> np.ndarray:
-    """Borders of the cells about the values."""
+def edges(at: np.ndarray) -> np.ndarray:
+    """Borders of the cells about the values; those of values above 0 do not come to 0, where no law is designed."""
     if len(at) == 1:
         return np.array([at[0] - 0.5, at[0] + 0.5])
     middle = (at[1:] + at[:-1]) / 2
-    return np.concatenate(([2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]))
+    first, last = 2 * at[0] - middle[0], 2 * at[-1] - middle[-1]
+    return np.concatenate(([at[0] / 2 if first <= 0 < at[0] else first], middle, [last]))
 
 
 def _map(name: str, x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line]) -> Chart:
@@ -145,19 +178,19 @@ def _map(name: str, x: str, y: str, metrics: dict[str, Any], lines: Sequence[Lin
     ratio = " / " in name
     scaled = np.log10(table) if ratio else table
     look = {"cmap": "RdBu_r", "vmin": -(most := np.nanmax(np.abs(scaled))), "vmax": most} if ratio else {}
-    mesh = axes.pcolormesh(_edges(across.at), _edges(up.at), scaled, linewidth=0, **look)
+    mesh = axes.pcolormesh(edges(across.at), edges(up.at), scaled, linewidth=0, **look)
     _draw(axes, lines)
     if lines:
         axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(lines))
     if ratio and np.nanmin(scaled) < 0 < np.nanmax(scaled) and min(table.shape) > 1:
         axes.contour(across.at, up.at, scaled, levels=[0.0], colors=style.BLACK, linewidths=1.4)
     figure.colorbar(mesh, ax=axes, label="log10 of the ratio" if ratio else label(name), pad=0.02)
-    _set(axes.xaxis, across)
-    _set(axes.yaxis, up)
+    set_scale(axes.xaxis, across)
+    set_scale(axes.yaxis, up)
     caption = "Median of the flights of each cell; grey where no flight has the figure."
     if ratio:
         caption = "Ratio of medians, logarithmic; the black line is where the two are equal."
-    return Chart(label(name), style.data_uri(figure), caption)
+    return Chart(label(name), style.data_uri(figure), caption + _at_fixed(metrics, (x, y)))
 
 
 def _outcome_map(x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line]) -> Chart:
@@ -169,14 +202,15 @@ def _outcome_map(x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line])
     figure, (axes,) = style.panels(3.4, top=0.3)
     axes.grid(False)
     colours = ListedColormap([OUTCOME_COLOURS.get(name, style.GREY) for name in names])
-    axes.pcolormesh(_edges(across.at), _edges(up.at), table, cmap=colours, vmin=-0.5, vmax=len(names) - 0.5)
+    axes.pcolormesh(edges(across.at), edges(up.at), table, cmap=colours, vmin=-0.5, vmax=len(names) - 0.5)
     for name in names:
         axes.plot([], [], "s", color=OUTCOME_COLOURS.get(name, style.GREY), label=words(name))
     _draw(axes, lines)
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(names) + 1)
-    _set(axes.xaxis, across)
-    _set(axes.yaxis, up)
-    return Chart("Outcomes", style.data_uri(figure), "The commonest outcome of each cell.")
+    set_scale(axes.xaxis, across)
+    set_scale(axes.yaxis, up)
+    caption = "The commonest outcome of each cell." + _at_fixed(metrics, (x, y))
+    return Chart("Outcomes", style.data_uri(figure), caption)
 
 
 def _sections(scenario: Any, metrics: dict[str, Any], x: str, y: str, shown: Sequence[str]) -> list[Chart]:
@@ -184,22 +218,26 @@ def _sections(scenario: Any, metrics: dict[str, Any], x: str, y: str, shown: Seq
     theory = THEORIES.get(scenario.study.theory)
     if theory is None or theory.figures is None:
         return []
-    across = scale(x, metrics["axes"][x]["values"])
-    values = metrics["axes"][y]["values"]
+    values_x, values = (metrics["axes"][address]["values"] for address in (x, y))
+    across = scale(x, values_x)
     chosen = [values[i] for i in np.unique(np.linspace(0, len(values) - 1, SECTIONS).round().astype(int))]
     fine = np.linspace(across.at.min(), across.at.max(), FINE)
-    predicted = {value: [theory.figures(scenario, float(at), value) for at in fine] for value in chosen}
+    known = theory.figures(scenario, [{x: values_x[0], y: values[0]}])
+    names = [name for name in shown if name in known]
+    if not names:
+        return []
+    predicted = {value: theory.figures(scenario, [{x: float(at), y: value} for at in fine]) for value in chosen}
     charts = []
-    for name in (name for name in shown if name in predicted[chosen[0]][0]):
+    for name in names:
         figure, (axes,) = style.panels(2.8, top=0.5)
         for i, value in enumerate(chosen):
             rows = [row for row in _first_of_the_rest(metrics, (x, y)) if row[y] == value]
             flown = [(figure_of(row, name) or {}).get("p50", np.nan) for row in rows]
-            theirs = [np.nan if (one := at[name]) is None else one for at in predicted[value]]
+            theirs = [np.nan if one is None else one for one in predicted[value][name]]
             axes.plot([row[x] for row in rows], flown, "o", markersize=3.5, color=style.TRACKERS[i])
             axes.plot(fine, theirs, color=style.TRACKERS[i], label=f"{label(y)} = {value:g}")
         axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
-        _set(axes.xaxis, across)
+        set_scale(axes.xaxis, across)
         axes.set_ylabel(label(name))
         text = (
             "Dots: medians of the flights at their end; lines: the cycle that theory predicts, where it predicts one. "
@@ -225,25 +263,52 @@ def _curves(name: str, x: str, lines: str | None, metrics: dict[str, Any]) -> Ch
     _limits(axes, name, metrics["checks"])
     if lines is not None:
         axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
-    _set(axes.xaxis, across)
+    set_scale(axes.xaxis, across)
     axes.set_ylabel(label(name))
-    return Chart(label(name), style.data_uri(figure), "Line: median of the flights; band: 5 % to 95 % of them.")
+    caption = "Line: median of the flights; band: 5 % to 95 % of them." + _at_fixed(metrics, kept)
+    return Chart(label(name), style.data_uri(figure), caption)
 
 
-def _distribution(name: str, records: Sequence[dict[str, Any]], checks: Sequence[dict[str, Any]]) -> Chart:
-    from sim.metrics.ensemble.spread import scalars
-
-    values = np.sort([v for record in records for key, v in scalars(record["metrics"]) if key == name])
-    figure, (axes,) = style.panels(2.6)
-    axes.step(values, np.arange(1, len(values) + 1) / len(records), where="post", color=style.BLUE)
-    _limits(axes, name, checks, vertical=True)
-    axes.set_ylim(0, 1.02)
-    axes.set_xlabel(label(name))
-    axes.set_ylabel("share of flights at or below")
-    return Chart(label(name), style.data_uri(figure), f"{len(values)} of {len(records)} flights have this figure.")
+def _exceedances(found: Sequence[Distribution]) -> list[Chart]:
+    """A chart of each figure that is more than a yes or no; the first says how they are read."""
+    charts = [_exceedance(one) for one in found if one.distinct > 2]
+    how = (
+        "Share of the flights beyond a value, from the median outwards, on a logarithmic scale; bands: 95 % at each "
+        "value by itself. Dashed: limits of the checks, with a diamond at the share that may be beyond. "
+    )
+    return [charts[0]._replace(caption=how + charts[0].caption), *charts[1:]] if charts else []
 
 
-def _limits(axes: Any, name: str, checks: Sequence[dict[str, Any]], vertical: bool = False) -> None:
+def _exceedance(found: Distribution) -> Chart:
+    """Both tails of a figure on a logarithmic scale; of a figure with limits only the tails that are limited.
+
+    The values of a tail run outwards, and so do its steps.
+    """
+    figure, (axes,) = style.panels(2.2, top=0.3)
+    limited = found.limits_below or found.limits_above
+    for tail, limits, colour, text in (
+        (found.below, found.limits_below, style.SKY, "below the value"),
+        (found.above, found.limits_above, style.BLUE, "above the value"),
+    ):
+        if limited and not limits:
+            continue
+        axes.step(tail.value, np.where(tail.share > 0, tail.share, np.nan), where="post", color=colour, label=text)
+        axes.fill_between(tail.value, tail.low, tail.high, step="post", color=colour, alpha=0.2, linewidth=0)
+        for limit in limits:
+            axes.axvline(limit.value, color=style.VERMILION, linestyle="--", lw=0.8)
+            if limit.probability is not None:
+                axes.plot([limit.value], [limit.probability], "D", color=style.VERMILION, markersize=4, clip_on=False)
+    axes.set_yscale("log")
+    axes.set_ylim(0.3 / max(found.flights, 1), 1.0)
+    axes.yaxis.set_major_formatter(lambda share, _: f"{100 * share:g} %")
+    axes.set_xlabel(label(found.name))
+    axes.set_ylabel("share of flights")
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+    lacking = f"{found.without} flights without the figure count as beyond every value." if found.without else ""
+    return Chart(label(found.name), style.data_uri(figure), lacking)
+
+
+def _limits(axes: Any, name: str, checks: Sequence[dict[str, Any]]) -> None:
     for check in checks:
         if check["metric"] == name:
-            (axes.axvline if vertical else axes.axhline)(check["limit"], color=style.VERMILION, linestyle="--", lw=0.8)
+            axes.axhline(check["limit"], color=style.VERMILION, linestyle="--", lw=0.8)

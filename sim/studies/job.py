@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,7 +14,7 @@ from sim.flight.record import Flight
 from sim.metrics.ensemble.verdict import CRASHED, REFUSED
 from sim.scenario.plugins import Part
 from sim.scenario.reading import override
-from sim.studies import flight_cache
+from sim.studies.kept import flight_cache
 
 
 class Job(NamedTuple):
@@ -36,11 +37,22 @@ def fly(job: Job) -> dict[str, Any]:
         prepared = experiment.prepared_from(tables, tuple(job.parts))
     except ScenarioError as error:
         return lost(job, str(error), REFUSED)
+    place, name = _kept_at(prepared, job)
+    kept = None if place is None else flight_cache.load(place, name, prepared)
+    if kept is not None:
+        with contextlib.suppress(Exception):  # a record that fails may be at fault itself: it is flown again
+            return _judged(prepared, kept, job)
     try:
-        found = experiment.evaluate(prepared, _flight(prepared, job), job.flight)
-        return _placed(job, experiment.record_of(job.flight, found))
+        flight = experiment.fly(prepared, job.flight)
+        if place is not None:
+            flight_cache.store(place, name, flight)
+        return _judged(prepared, flight, job)
     except ScenarioError as error:
         return lost(job, str(error))
+
+
+def _judged(prepared: Prepared, flight: Flight, job: Job) -> dict[str, Any]:
+    return _placed(job, experiment.record_of(job.flight, experiment.evaluate(prepared, flight, job.flight)))
 
 
 def lost(job: Job, reason: str, outcome: str = CRASHED) -> dict[str, Any]:
@@ -59,13 +71,8 @@ def with_values(tables: dict[str, Any], values: dict[str, Any]) -> dict[str, Any
     return tables
 
 
-def _flight(prepared: Prepared, job: Job) -> Flight:
-    """The flight of a job, flown unless another cell of the study has flown it."""
+def _kept_at(prepared: Prepared, job: Job) -> tuple[Path | None, str]:
+    """Where a flight is kept for other cells of the study, and under which name; None = nowhere."""
     if job.cache is None or not flight_cache.shared(prepared):
-        return experiment.fly(prepared, job.flight)
-    place, name = Path(job.cache), flight_cache.key(prepared, job.flight)
-    flight = flight_cache.load(place, name, prepared)
-    if flight is None:
-        flight = experiment.fly(prepared, job.flight)
-        flight_cache.store(place, name, flight)
-    return flight
+        return None, ""
+    return Path(job.cache), flight_cache.key(prepared, job.flight)

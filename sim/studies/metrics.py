@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from sim.metrics.ensemble.contrasts import contrasts_over_flights
+from sim.metrics.ensemble.exceedance import any_beyond, exceedances
 from sim.metrics.ensemble.spread import outcomes, spread, spreads
-from sim.metrics.ensemble.verdict import CRASHED, REFUSED, verdicts
+from sim.metrics.ensemble.verdict import CRASHED, REFUSED, verdicts, worst_first
+from sim.reporting.text.broken_checks import Again
 from sim.scenario.axes import Axis, Listed
 from sim.scenario.tables import Check, Contrast
 
@@ -16,19 +18,30 @@ def study_metrics(
     axes: Sequence[Axis],
     records: Sequence[dict[str, Any]],
     checks: Sequence[Check],
+    again: Again,
     contrasts: Sequence[Contrast] = (),
 ) -> dict[str, Any]:
-    """Axes, rows and checks, as in metrics.json; ``records`` sorted by cell, sample and flight."""
+    """Axes, rows and checks, as in metrics.json; ``records`` sorted by cell, sample and flight.
+
+    A study of one cell also has how often its flights break each check, and any. ``again`` is how one of them is flown
+    again.
+    """
     why = {"crashes": reasons(records, CRASHED), "refusals": reasons(records, REFUSED)}
     cells: dict[int, list[dict[str, Any]]] = {}
     for record in records:
         cells.setdefault(record["cell"], []).append(record)
+    worst = worst_first(records)[0]
+    judged = verdicts(checks, records)
+    alone = len(cells) == 1 and len(records) > 1
+    beyond = {"any_beyond": any_beyond(records), "exceedances": exceedances(judged)} if alone and checks else {}
     return {
         "axes": {one.address: describe(one) for one in axes},
         "outcomes": outcomes(records),
         **{name: said for name, said in why.items() if said},
-        "rows": [row(axes, cells[number], contrasts) for number in sorted(cells)],
-        "checks": verdicts(checks, records),
+        "rows": [row(axes, cells[number], again, contrasts) for number in sorted(cells)],
+        "worst": {name: worst[name] for name in ("flight", "values")},
+        "checks": judged,
+        **beyond,
     }
 
 
@@ -41,15 +54,24 @@ def describe(axis: Axis) -> dict[str, Any]:
     """An axis as in metrics.json."""
     if isinstance(axis, Listed):
         return {"values": list(axis.values)}
-    return {axis.distribution: [axis.first, axis.second]}
+    return {axis.distribution: [*axis.numbers]}
 
 
-def row(axes: Sequence[Axis], records: Sequence[dict[str, Any]], contrasts: Sequence[Contrast] = ()) -> dict[str, Any]:
-    """One cell: its chosen values, the spread of its drawn ones, and that of every figure over its flights.
+def named(record: dict[str, Any], axes: Sequence[Axis], again: Again) -> dict[str, Any]:
+    """A record with the command that flies it again."""
+    values = {one.address: record["values"][one.address] for one in axes if isinstance(one, Listed)}
+    return {**record, "again": again(record["flight"], values)}
 
-    ``contrasts`` are pooled over them; their figures of single flights are spread as all others.
+
+def row(
+    axes: Sequence[Axis], records: Sequence[dict[str, Any]], again: Again, contrasts: Sequence[Contrast] = ()
+) -> dict[str, Any]:
+    """One cell: its chosen values, the spread of its drawn ones, that of every figure, and its worst flight.
+
+    ``contrasts`` are pooled over its flights; their figures of single flights are spread as all others.
     """
-    found: dict[str, Any] = {"outcomes": outcomes(records)}
+    worst = named(worst_first(records)[0], axes, again)
+    found: dict[str, Any] = {"outcomes": outcomes(records), "worst": {key: worst[key] for key in ("flight", "again")}}
     for one in axes:
         values = [record["values"][one.address] for record in records]
         found[one.address] = values[0] if isinstance(one, Listed) else spread(values)

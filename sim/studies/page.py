@@ -5,35 +5,57 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from sim.metrics.ensemble.exceedance import answer, percent
+from sim.metrics.ensemble.verdict import worst_first
 from sim.reporting.figures import style
 from sim.reporting.page import rendered
-from sim.reporting.text.broken_checks import broken_checks, run_again
+from sim.reporting.text.broken_checks import Again, broken_checks
 from sim.reporting.text.labels import ABSENT, words
-from sim.reporting.text.rows import kept_by
+from sim.reporting.text.rows import every_flight, flights_of, kept_by
 from sim.scenario.toml_writer import dumps
 from sim.studies.figures import figure_of, study_charts
-from sim.studies.folder import SCENARIO
-from sim.studies.theory import predicted_figures
+from sim.studies.limits.answer import question
+from sim.studies.limits.drawing import ratio_chart
+from sim.studies.limits.maps import RatioMap
+from sim.studies.metrics import named
 from sim.versions import rows
 
 MOST_ROWS = 500  # of the table on the page; metrics.json has them all
+WORST = 20  # flights that are listed
+USUAL = ("overshoot_m", "settling_s", "time_saturated_s", "bank_max_deg")
+MANY = 10_000
 
 
-def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any]]) -> str:
-    """The text of report.html, from metrics.json and the sorted log."""
+def page(
+    scenario: Any,
+    metrics: dict[str, Any],
+    records: Sequence[dict[str, Any]],
+    again: Again,
+    maps: Sequence[RatioMap] = (),
+) -> str:
+    """The text of report.html, from metrics.json, the sorted log and the maps of a contrast.
+
+    ``again`` is how a flight is flown again.
+    """
     shown = shown_metrics(scenario, metrics)
     with style.drawing():
-        charts = study_charts(scenario, metrics, records, shown)
-    predicted = predicted_figures(scenario, metrics["rows"][:MOST_ROWS])
+        charts = [*map(ratio_chart, maps), *study_charts(scenario, metrics, records, shown)]
+    predicted = metrics.get("predicted", {})
     ended = ", ".join(f"{count} {words(name)}" for name, count in sorted(metrics["outcomes"].items()))
+    told = f"{flights_of(metrics)}: {ended}"
+    answered = metrics.get("answer") or (f"{answer(metrics)}." if "exceedances" in metrics else "")
     return rendered(
         "study.html",
         name=scenario.name,
-        sentence=f"{metrics['flights']} flights in {len(metrics['rows'])} cells: {ended}.",
+        question=question(scenario.contrasts[0]) if maps else "",
+        sentence=answered or f"{told}.",
+        ended=f"{told}." if answered else "",
         good=all(check["passed"] is not False for check in metrics["checks"]) and "crashed" not in metrics["outcomes"],
-        failed=broken_checks(metrics, run_again(SCENARIO)),
+        failed=broken_checks(metrics, again),
         charts=charts,
         checks=[_check(check) for check in metrics["checks"]],
+        exceedances=[_exceedance(one) for one in metrics.get("exceedances", ())],
+        worst=_worst(scenario, metrics, records, again),
         axes=[_axis(address, axis) for address, axis in metrics["axes"].items()],
         heads=[*metrics["axes"], "flights", "outcomes", *shown, *(f"{name} by theory" for name in predicted)],
         rows=[
@@ -48,29 +70,67 @@ def page(scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any
 
 
 def shown_metrics(scenario: Any, metrics: dict[str, Any]) -> list[str]:
-    """The figures that the study asks for, else those of its checks, else the usual ones; only what was flown."""
-    usual = ("overshoot_m", "settling_s", "time_saturated_s", "bank_max_deg")
+    """The figures that the study asks for, else those of its checks or the usual ones, and how far its trackers err.
+
+    Only what was flown.
+    """
     flown = {name for row in metrics["rows"] for name in row}
-    for asked in (scenario.study.show, [check["metric"] for check in metrics["checks"]], usual):
-        shown = [name for name in dict.fromkeys(asked) if all(part in flown for part in name.split(" / "))]
-        if asked and shown:
-            return shown
-    return []
+
+    def known(names: Sequence[str]) -> list[str]:
+        return [name for name in dict.fromkeys(names) if all(part in flown for part in name.split(" / "))]
+
+    trackers = [name for tracker in scenario.trackers for name in _errors(tracker, metrics["rows"])]
+    judged = known([check["metric"] for check in metrics["checks"]])
+    return known(scenario.study.show) or [*dict.fromkeys([*trackers, *(judged or known(USUAL))])]
+
+
+def _errors(tracker: str, rows: Sequence[dict[str, Any]]) -> list[str]:
+    """The RMSE of a tracker in the position, or in the first channel that it has; none where it never tracked."""
+    start, end = f"trackers.{tracker}.overall.", ".rmse"
+    names = dict.fromkeys(name for row in rows for name in row if name.startswith(start) and name.endswith(end))
+    return [*([name] if (name := f"{start}position_m{end}") in names else names)][:1]
 
 
 def _axis(address: str, axis: dict[str, Any]) -> tuple[str, str]:
     (kind, values), *_ = axis.items()
-    text = ", ".join(_value(value) for value in values)
+    text = ", ".join(_pair(*value) if kind == "quantiles" else _value(value) for value in values)
     return address, text if kind == "values" else f"{words(kind)} {text}"
 
 
+def _worst(
+    scenario: Any, metrics: dict[str, Any], records: Sequence[dict[str, Any]], again: Again
+) -> list[dict[str, Any]]:
+    """The worst flights: how each ended, what is varied in it, and the command that flies it again."""
+    worst = [named(record, scenario.study.varied, again) for record in worst_first(records)[:WORST]]
+    rows = every_flight(worst, [one["name"] for one in metrics["checks"]])
+    return [
+        {**row, "again": record["again"], "varied": _varied(record["values"], metrics["axes"])}
+        for row, record in zip(rows, worst, strict=True)
+    ]
+
+
+def _varied(values: dict[str, Any], axes: dict[str, Any]) -> str:
+    return ", ".join(f"{address} = {_value(values[address])}" for address in axes)
+
+
+def _pair(share: float, value: float) -> str:
+    return f"{100 * share:g} % up to {_value(value)}"
+
+
+def _exceedance(one: dict[str, Any]) -> dict[str, Any]:
+    between = f"{percent(one['low'])} to {percent(one['high'])} %"
+    below = f"below {percent(one['below'])} % with {100 * one['confidence']:g} % confidence"
+    return {**one, "probability": f"{percent(one['probability'])} %", "between": between, "below": below}
+
+
 def _value(value: Any) -> str:
-    """Four figures of a number, a dash for none, words as they are."""
+    """Four figures of a number, or the whole ones where they are more, a dash for none, words as they are."""
     if value is None:
         return ABSENT
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value)
-    return f"{value:.4g}".replace("-", "\N{MINUS SIGN}")
+    whole = MANY <= abs(value) < 100 * MANY  # which four figures would write with an exponent
+    return f"{value:{'.0f' if whole else '.4g'}}".replace("-", "\N{MINUS SIGN}")
 
 
 def _row(row: dict[str, Any], axes: dict[str, Any], shown: Sequence[str]) -> list[str]:

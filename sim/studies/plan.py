@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import json
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +16,7 @@ from sim.metrics.ensemble.verdict import refuse_unfit
 from sim.scenario.axes import Axis, Listed, cells, samples
 from sim.scenario.model import Scenario
 from sim.scenario.plugins import Catalogue, Part, catalogue_with
+from sim.scenario.reading import parsed
 from sim.scenario.tables import StudyTable
 from sim.studies import folder as folders
 from sim.studies.job import with_values
@@ -80,21 +80,27 @@ def _faults(
     if size > LARGEST_STUDY:
         much = f"[study] {size} flights are more than the budget of {LARGEST_STUDY}; take fewer values or samples"
         return [much], ()
-    faults, parts = [], {*scenario.parts}
+    faults, parts, base = [], {*scenario.parts}, _flown_tables(scenario)
     for one in axes:
-        for value in one.values if isinstance(one, Listed) else (one.first,):
+        for value in one.values if isinstance(one, Listed) else (one.typical,):
             try:
-                tables = with_values(_flown_tables(scenario), {one.address: value})
-                parts |= {*read(tables, plugins=catalogue).parts}
+                tables = with_values(base, {one.address: value})
+                cell = read(tables, plugins=catalogue)
+                parts |= {*cell.parts}
             except ScenarioError as error:
                 faults += [f'[study] axes "{one.address}": {_said(line)}' for line in str(error).splitlines()]
                 break
+            wanted = dict.fromkeys(side for pair in scenario.contrasts for side in (pair.of, pair.against))
+            gone = [name for name in wanted if name in scenario.trackers and name not in cell.trackers]
+            if gone:
+                faults.append(
+                    f"[study] axes \"{one.address}\": [[contrasts]] needs the tracker '{gone[0]}' in every cell"
+                )
+                break
     if table.theory is not None:
         theory, chosen = THEORIES[table.theory], [one.address for one in axes if isinstance(one, Listed)]
-        if chosen[:2] != [theory.x, theory.y]:
-            faults.append(
-                f'[study] theory "{table.theory}" is about the axes "{theory.x}" and "{theory.y}", in this order'
-            )
+        if unfit := theory.unfit(chosen):
+            faults.append(f'[study] theory "{table.theory}" {unfit}')
         if theory.needs(scenario):
             faults.append(f'[study] theory "{table.theory}" needs {theory.needs(scenario)}')
     return faults, tuple(sorted(parts))
@@ -143,9 +149,6 @@ def _designed(text: str, parts: tuple[Part, ...]) -> dict[str, Any]:
     return prepare(read({"name": "design", **tables, **truth}, plugins=parts)).gains.designed.to_table()
 
 
-def read_text(text: str, catalogue: Catalogue) -> Scenario:
+def read_text(content: bytes, catalogue: Catalogue) -> Scenario:
     """The scenario of a resolved file, so that a study and its resumption start from the same bytes."""
-    try:
-        return read(tomllib.loads(text), plugins=catalogue)
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{folders.SCENARIO}: not TOML: {error}") from None
+    return read(parsed(folders.SCENARIO, content), plugins=catalogue)

@@ -14,17 +14,21 @@ from typing import Any
 
 from sim.errors import OutputError
 from sim.experiment import read
-from sim.files import replace, replace_json
+from sim.files import plain, replace, replace_json
+from sim.reporting.text.broken_checks import Again
 from sim.scenario.budget import refuse_workers
 from sim.scenario.plugins import catalogue_with, digests
 from sim.scenario.toml_writer import dumps
-from sim.studies import flight_cache
 from sim.studies import folder as folders
 from sim.studies.job import Job, fly, lost
-from sim.studies.metrics import study_metrics
+from sim.studies.kept import flight_cache, flight_log
+from sim.studies.limits.answer import answer
+from sim.studies.limits.maps import ratio_maps
+from sim.studies.metrics import named, study_metrics
 from sim.studies.plan import Study, designed_cells, plan, read_text
+from sim.studies.theory import predicted_figures
 from sim.versions import versions
-from sim.workers.executors import Executor, Lost
+from sim.workers.executors import Executor, Lost, refuse_small_limit
 
 RECORD_SIZE = 20_000  # bytes of one flight in the log, at most about
 
@@ -39,21 +43,24 @@ def study(
     anew: bool = False,
     workers: int = 1,
     progress: Callable[..., Any] | None = None,
+    remark: Callable[[str], None] | None = None,
 ) -> dict[str, Any]:
     """Fly a study into a folder, going on with what the folder already has of it; returns its metrics.
 
     ``plugins`` bring kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``.
+    ``remark`` is called with what is to be known, also of lines of the folder's log that had to be left out.
 
     Raises ``ScenarioError`` and ``OutputError`` before anything is written, ``OutputError`` when the disk fills.
     """
     catalogue = catalogue_with(plugins)
     scenario = read(source, overrides, plugins=catalogue)
     text = dumps(scenario.tables)
-    planned = plan(read_text(text, catalogue), catalogue)
+    planned = plan(read_text(text.encode(), catalogue), catalogue)
     tables = designed_cells(planned)
     _refuse_too_much(planned, folder, workers)
     folders.open_study(folder, text, scenario.seed, anew, planned.parts)
-    return _fly_all(planned, tables, folder, executor, progress)
+    _say(remark, folders.another_processor(folder))
+    return _fly_all(planned, tables, folder, executor, progress, remark)
 
 
 def resume(
@@ -64,23 +71,33 @@ def resume(
     anyway: bool = False,
     workers: int = 1,
     progress: Callable[..., Any] | None = None,
+    remark: Callable[[str], None] | None = None,
 ) -> dict[str, Any]:
     """Go on with the study of a folder; its metrics are those of a study that was never interrupted.
 
-    ``plugins`` bring the same parts from outside again: a folder holds no code.
+    ``plugins`` bring the same parts from outside again: a folder holds no code. ``remark`` is called with a sentence
+    about lines of the folder's log that had to be left out.
     """
     text, catalogue = folders.read_scenario(folder), catalogue_with(plugins)
     folders.check_parts(folder, catalogue)
     planned = plan(read_text(text, catalogue), catalogue)
     folders.check_study(folder, planned.scenario.seed, anyway, planned.parts)
+    _say(remark, folders.another_processor(folder))
     tables = designed_cells(planned)
     _refuse_too_much(planned, folder, workers)
-    return _fly_all(planned, tables, folder, executor, progress)
+    return _fly_all(planned, tables, folder, executor, progress, remark)
+
+
+def _say(remark: Callable[[str], None] | None, sentence: str | None) -> None:
+    if remark is not None and sentence is not None:
+        remark(sentence)
 
 
 def _refuse_too_much(planned: Study, folder: Path, workers: int) -> None:
     """Memory and disk that the study needs, before it starts."""
     refuse_workers(workers)
+    if workers:
+        refuse_small_limit()
     place = next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), Path("."))
     free, needed = shutil.disk_usage(place).free, planned.flights * RECORD_SIZE
     if needed > free:
@@ -96,10 +113,13 @@ def _fly_all(
     folder: Path,
     executor: Executor,
     progress: Callable[..., Any] | None,
+    remark: Callable[[str], None] | None,
 ) -> dict[str, Any]:
     with folders.locked(folder):
-        folders.mend_log(folder)
-        records = {_key(record): record for record in folders.read_log(folder)}
+        stamp = folders.stamp(folder)
+        again = folders.run_again_there(planned.parts)
+        found = _finished(planned, folder, stamp, remark)
+        records = {place: named(record, planned.axes, again) for place, record in found.items()}
         cache = str(folders.flights_of(folder).resolve())
         waiting = [
             Job(cell, sample, flight, {**planned.cells[cell], **drawn}, tables[cell], drawn, cache, planned.parts)
@@ -113,29 +133,45 @@ def _fly_all(
         if progress is not None and waiting:
             ended = progress(ended, len(waiting), "flights")
         try:
-            with folders.appending(folder) as append:
+            with flight_log.appending(folder, stamp) as append:
                 for number, result in ended:
                     job = waiting[number]
                     record = lost(job, result.reason) if isinstance(result, Lost) else result
+                    record = named(record, planned.axes, again)
                     append(record)
-                    records[_key(record)] = record
+                    records[flight_log.place_of(record)] = record
         finally:
             executor.close()
-        metrics = _finish(planned, folder, records)
+        metrics = _finish(planned, folder, records, stamp, again)
         flight_cache.prune(folders.flights_of(folder), folders.begun(folder))
         return metrics
 
 
-def _key(record: dict[str, Any]) -> tuple[int, int, int]:
-    return record["cell"], record["sample"], record["flight"]
+def _finished(
+    planned: Study, folder: Path, stamp: str, remark: Callable[[str], None] | None
+) -> dict[flight_log.Place, dict[str, Any]]:
+    """The records that the log has of flights of this study; what else it has is taken out, with a remark."""
+    values = {
+        (cell, sample, flight): {**planned.cells[cell], **planned.samples[sample]}
+        for cell, sample, flight in planned.numbers()
+    }
+    log = flight_log.read(folder, stamp, flight_log.Planned(values, len(planned.scenario.checks)))
+    with flight_log.write_errors(folder):
+        if (folder / flight_log.LOG).exists():
+            flight_log.rewrite(folder, stamp, log.records)  # a file of its own, whatever other names the old one has
+    if log.faults and remark is not None:
+        count = "one line is" if len(log.faults) == 1 else f"{len(log.faults)} lines are"
+        remark(f"{folder / flight_log.LOG}: {count} left out ({log.faults[0]}); what is missing is flown again")
+    return log.records
 
 
-def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], dict[str, Any]]) -> dict[str, Any]:
+def _finish(
+    planned: Study, folder: Path, records: dict[flight_log.Place, dict[str, Any]], stamp: str, again: Again
+) -> dict[str, Any]:
     """Sort the log and write what all flights show; every file is whole or the old one."""
     from sim.studies.page import page
 
-    lines = [folders.line(records[key]) for key in sorted(records)]
-    ordered = [json.loads(line) for line in lines]  # as a resumed study reads them
+    ordered = [json.loads(json.dumps(plain(records[place]), sort_keys=True)) for place in sorted(records)]  # as resumed
     scenario = planned.scenario
     metrics = {
         "scenario": scenario.name,
@@ -143,12 +179,15 @@ def _finish(planned: Study, folder: Path, records: dict[tuple[int, int, int], di
         "flights": len(ordered),
         "samples": planned.table.samples,
         "versions": versions(digests(planned.parts)),
-        **study_metrics(planned.axes, ordered, scenario.checks, scenario.contrasts),
+        **study_metrics(planned.axes, ordered, scenario.checks, again, scenario.contrasts),
     }
+    predicted, maps = predicted_figures(scenario, metrics["rows"]), ratio_maps(scenario, metrics)
+    metrics |= {"predicted": predicted} if predicted else {}
+    metrics |= {"answer": answer(scenario.contrasts[0], maps)} if scenario.contrasts else {}
     try:
-        replace(folder / folders.LOG, "".join(lines))
+        flight_log.rewrite(folder, stamp, records)
         replace_json(folder / "metrics.json", metrics)
-        replace(folder / "report.html", page(scenario, metrics, ordered))
+        replace(folder / "report.html", page(scenario, metrics, ordered, again, maps))
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written: {error.strerror}; finished flights are kept") from None
     return metrics

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,11 +18,13 @@ from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset
 from sim.errors import ScenarioError
 from sim.experiment import read
+from sim.scenario.axes import Listed
 from sim.scenario.model import Scenario
 from sim.scenario.parameters import construct
 from sim.scenario.plugins import Part
 from sim.scenario.reading import override
 from sim.scenario.tables import LegsTable, PatternTable
+from sim.studies.limits import prediction
 
 
 class Line(NamedTuple):
@@ -33,14 +35,41 @@ class Line(NamedTuple):
     y: np.ndarray
 
 
-class Theory(NamedTuple):
-    """What is known of a map over two axes."""
+Cell = Mapping[str, Any]
+"""The chosen values of a cell by the address of their axis."""
+Columns = dict[str, list[float | None]]
 
-    x: str  # addresses of the axes
-    y: str
+
+class Theory(NamedTuple):
+    """What is known of a map over chosen axes."""
+
+    unfit: Callable[[Sequence[str]], str]  # why the addresses of chosen axes are not those that it is about, "" = are
     lines: Callable[[Scenario, np.ndarray, np.ndarray], tuple[Line, ...]]  # (scenario, values of x, values of y)
     needs: Callable[[Scenario], str]  # what it is about and a scenario lacks, "" = nothing
-    figures: Callable[[Scenario, float, float], dict[str, float | None]] | None = None  # of a cell, as in metrics.json
+    figures: Callable[[Scenario, Sequence[Cell]], Columns] | None = None  # of cells, a column for each figure
+
+
+def plane(x: str, y: str) -> Callable[[Sequence[str]], str]:
+    """Of a theory over two certain axes."""
+
+    def unfit(addresses: Sequence[str]) -> str:
+        return "" if [*addresses[:2]] == [x, y] else f'is about the axes "{x}" and "{y}", in this order'
+
+    return unfit
+
+
+def limits_unfit(addresses: Sequence[str]) -> str:
+    """The theory of limits is about any axes that say where a capture begins and what its limits are."""
+    known = ", ".join(f'"{address}"' for address in prediction.ADDRESSES)
+    strange = prediction.stranger(addresses)
+    if strange:
+        return f'knows nothing of the axis "{strange}"; it is about {known}'
+    return "" if addresses else f"needs an axis of chosen values: {known}"
+
+
+def no_lines(scenario: Scenario, x: np.ndarray, y: np.ndarray) -> tuple[Line, ...]:
+    """Of a theory whose borders are drawn over the ratios of contrasts alone."""
+    return ()
 
 
 def over_x(label: str, border: Callable[[Any, Scenario, np.ndarray], np.ndarray]) -> Any:
@@ -148,14 +177,17 @@ def gain_lines(scenario: Scenario, x: np.ndarray, y: np.ndarray) -> tuple[Line, 
     )
 
 
-def gain_figures(scenario: Scenario, share: float, bank: float) -> dict[str, float | None]:
+def gain_figures(scenario: Scenario, cells: Sequence[Cell]) -> Columns:
     """Amplitude and period of the bank in the limit cycle that an aircraft starting beside the line ends in."""
-    limited = _limited_loop(scenario, bank)
-    law = law_of_frequency(share * limited.loop.bandwidth, limited.loop.speed, limited.bank_limit)
-    cycle = caught(limited, law, abs(scenario.start.cross_track))
-    if cycle is None:
-        return {"bank_cycle_deg": None, "bank_cycle_period_s": None}
-    return {"bank_cycle_deg": math.degrees(cycle.bank), "bank_cycle_period_s": cycle.period}
+    found = []
+    for share, bank in ([cell[address] for address in GAIN] for cell in cells):
+        limited = _limited_loop(scenario, bank)
+        law = law_of_frequency(share * limited.loop.bandwidth, limited.loop.speed, limited.bank_limit)
+        found.append(caught(limited, law, abs(scenario.start.cross_track)))
+    return {
+        "bank_cycle_deg": [None if cycle is None else math.degrees(cycle.bank) for cycle in found],
+        "bank_cycle_period_s": [None if cycle is None else cycle.period for cycle in found],
+    }
 
 
 def _limited_loop(scenario: Scenario, bank: float) -> LimitedLoop:
@@ -175,17 +207,17 @@ def _limited_loop_of(tables: str, parts: tuple[Part, ...]) -> LimitedLoop:
     return limited_loop(loop, scenario.autopilot.bank_limit, scenario.autopilot.roll_rate_limit)
 
 
+GAIN = ("autopilot.frequency_share", "autopilot.bank_limit_deg")
 THEORIES = {
     "energy": Theory(
-        "wind.events.burst.past_threshold_m",
-        "wind.events.burst.peak_mps",
+        plane("wind.events.burst.past_threshold_m", "wind.events.burst.peak_mps"),
         over_x("theory: F over 1 km = steepest climb + glide path", energy_border),
         energy_needs,
     ),
-    "gain": Theory("autopilot.frequency_share", "autopilot.bank_limit_deg", gain_lines, gain_needs, gain_figures),
+    "gain": Theory(plane(*GAIN), gain_lines, gain_needs, gain_figures),
+    "limits": Theory(limits_unfit, no_lines, prediction.needs, prediction.cell_figures),
     "orbit": Theory(
-        "wind.speed_mps",
-        "autopilot.law.cross_track_limit_m",
+        plane("wind.speed_mps", "autopilot.law.cross_track_limit_m"),
         over_x("theory: k1 z_max = k2 (V - wind)", orbit_border),
         orbit_needs,
     ),
@@ -200,10 +232,11 @@ def border(name: str, scenario: Scenario, x: np.ndarray) -> np.ndarray:
     return THEORIES[name].lines(scenario, x, np.zeros(1))[0].y
 
 
-def predicted_figures(scenario: Scenario, rows: Sequence[dict[str, Any]]) -> dict[str, list[float | None]]:
+def predicted_figures(scenario: Scenario, rows: Sequence[dict[str, Any]]) -> Columns:
     """Columns of figures that the theory of a study predicts for its cells; empty where it predicts none."""
-    theory = THEORIES.get(scenario.study.theory) if scenario.study and scenario.study.theory else None
-    if theory is None or theory.figures is None or not rows:
+    if scenario.study is None or scenario.study.theory is None or not rows:
         return {}
-    cells = [theory.figures(scenario, row[theory.x], row[theory.y]) for row in rows]
-    return {name: [cell[name] for cell in cells] for name in cells[0]}
+    figures = THEORIES[scenario.study.theory].figures
+    chosen = [one.address for one in scenario.study.varied if isinstance(one, Listed)]
+    cells = [{address: row[address] for address in chosen} for row in rows]
+    return {} if figures is None else figures(scenario, cells)

@@ -6,6 +6,7 @@ machine is used only with TLS, or when the user insists.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import ipaddress
 import logging
@@ -22,10 +23,11 @@ from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 from sim.errors import OutputError
-from sim.workers.executors import FLIGHT_TIME_LIMIT, Job, Lost
+from sim.workers.executors import CLOCK_FACTOR, FLIGHT_TIME_LIMIT, Job, Lost
+from sim.workers.partners import within
 
 ANSWER = 5.0  # s; a scheduler that listens answers at once
-PATIENCE = 60.0  # s without any worker; one that was killed is back by then, where somebody restarts it
+PATIENCE = 60.0  # s without any worker, or any answer; who was killed is back by then, where somebody restarts it
 TLS_KEYS = ("ca-file", "client.cert", "client.key")  # of distributed.comm.tls in Dask's configuration
 FLYING = threading.Lock()  # of a worker process: flights share it with no other flight
 
@@ -45,7 +47,7 @@ class ClusterExecutor:
 
     client: Any
     address: str
-    time_limit: float = FLIGHT_TIME_LIMIT
+    time_limit: float = CLOCK_FACTOR * FLIGHT_TIME_LIMIT  # s on the clock: the workers belong to others
     _waiting: deque[Job] = field(default_factory=deque, repr=False)
     _running: dict[Any, tuple[Job, float]] = field(default_factory=dict, repr=False)
 
@@ -58,7 +60,7 @@ class ClusterExecutor:
         absent = None
         while self._waiting or self._running:
             with self._lost_scheduler():
-                threads = sum(self.client.nthreads().values())
+                threads = sum(within(PATIENCE, self.client.nthreads).values())
             absent = None if threads else absent or time.monotonic()
             if absent is not None and time.monotonic() - absent > PATIENCE:
                 raise OutputError(f"cluster {self.address}: has no worker left; finished flights are kept")
@@ -73,10 +75,11 @@ class ClusterExecutor:
     def close(self) -> None:
         """Cancel all jobs that still run and disconnect."""
         self._waiting.clear()
-        if self.client.status == "running":
-            self.client.cancel(list(self._running), force=True)
+        with contextlib.suppress(TimeoutError):  # of a cluster that is silent nothing more is asked
+            if self.client.status == "running":
+                within(ANSWER, self.client.cancel, list(self._running), force=True)
+            within(ANSWER, self.client.close, timeout=ANSWER)
         self._running.clear()
-        self.client.close()
 
     def _start(self, job: Job) -> None:
         with self._lost_scheduler():
@@ -101,8 +104,8 @@ class ClusterExecutor:
         from distributed.scheduler import KilledWorker
 
         with self._lost_scheduler():
-            error = future.exception()
-            result = future.result() if error is None else None
+            error = future.exception(timeout=PATIENCE)
+            result = future.result(timeout=PATIENCE) if error is None else None
         if isinstance(result, Refused):
             raise OutputError(f"cluster {self.address}: {result.reason}; finished flights are kept")
         if isinstance(error, OutputError):  # about the worker, not about the flight
@@ -119,9 +122,10 @@ class ClusterExecutor:
         for future in [one for one, (_, since) in self._running.items() if now - since > self.time_limit]:
             job, _ = self._running.pop(future)
             with self._lost_scheduler():
-                stuck = [worker for worker, keys in self.client.processing().items() if future.key in keys]
-                self.client.cancel([future], force=True)
-                self.client.restart_workers(stuck, raise_for_error=False)
+                processing = within(PATIENCE, self.client.processing)
+                stuck = [worker for worker, keys in processing.items() if future.key in keys]
+                within(PATIENCE, self.client.cancel, [future], force=True)
+                within(PATIENCE, self.client.restart_workers, stuck, timeout=PATIENCE, raise_for_error=False)
             yield job.number, Lost(f"no answer for {self.time_limit:g} s")
 
     @contextmanager
@@ -129,17 +133,20 @@ class ClusterExecutor:
         """Report a scheduler that is gone in one sentence; the errors of jobs do not pass through here."""
         try:
             yield
-        except (OSError, CancelledError, TimeoutError):
+        except TimeoutError:
+            silent = f"gives no answer for {PATIENCE:g} s"
+            raise OutputError(f"cluster {self.address}: {silent}; finished flights are kept") from None
+        except (OSError, CancelledError):
             raise OutputError(f"cluster {self.address}: has gone; finished flights are kept") from None
 
 
 @functools.cache
 def numerics() -> dict[str, str]:
     """What a machine must have in common with another to compute the same bytes."""
-    from sim.versions import versions
+    from sim.versions import processor, versions
 
     found = {name: version for name, version in versions().items() if name != "platform"}
-    return {**found, "machine": platform.machine(), "libc": "-".join(platform.libc_ver())}
+    return {**found, "machine": platform.machine(), "processor": processor(), "libc": "-".join(platform.libc_ver())}
 
 
 def _run(expected: dict[str, str], function: Callable[..., Any], *arguments: Any) -> Any:
@@ -169,7 +176,7 @@ def connect(address: str, insecure: bool = False) -> ClusterExecutor:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters we report ourselves
     security = _security(distributed, address) if where.startswith("tls:") else None
     try:
-        client = distributed.Client(where, timeout=ANSWER, security=security)
+        client = within(2 * ANSWER, distributed.Client, where, timeout=ANSWER, security=security)
     except Exception as error:  # its transports raise many kinds, and all mean that no scheduler answers there
         raise OutputError(f"cluster {address}: does not answer as a Dask scheduler ({type(error).__name__})") from None
     executor = ClusterExecutor(client, address)
@@ -226,8 +233,8 @@ def _examine(client: Any, address: str) -> None:
     """Refuse a cluster without workers, with other numbers, or whose workers fly in threads."""
     try:
         client.wait_for_workers(1, timeout=ANSWER)
-        found = client.run(numerics, on_error="return")
-        threads = client.nthreads()
+        found = within(PATIENCE, client.run, numerics, on_error="return")
+        threads = within(PATIENCE, client.nthreads)
     except (OSError, TimeoutError):
         raise OutputError(f"cluster {address}: has no worker that answers") from None
     expected = numerics()

@@ -7,9 +7,11 @@ aborted, hung or ran out of memory) returns ``Lost``; other jobs go on.
 from __future__ import annotations
 
 import contextlib
+import math
 import multiprocessing
 import os
 import signal
+import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
@@ -18,11 +20,16 @@ from typing import Any, NamedTuple, Protocol
 
 from sim.errors import OutputError
 from sim.workers.blas import THREADS
+from sim.workers.partners import LOOK, Watch
 
 ATTEMPTS = 3  # a flight whose worker aborts as often is at fault itself
 KILLS = 30  # a worker that is killed from outside is not its flight's fault, unless it happens this often
-FLIGHT_TIME_LIMIT = 600.0  # s; the longest flight of 1800 s takes a small part of it
+FLIGHT_TIME_LIMIT = 600.0  # s of processor time; the longest flight of 1800 s takes a small part of it
+CLOCK_FACTOR = (
+    10.0  # times as long on the clock: a busy machine is not the model's fault, but what waits has an end too
+)
 MEMORY_LIMIT = 4 << 30  # bytes of address space of one worker
+LEAST_MEMORY = 600 << 20  # in which flights with a few trackers fit; measured: 500 MB are enough for the bundled ones
 
 
 class Lost(NamedTuple):
@@ -47,6 +54,25 @@ class Executor(Protocol):
         ...
 
 
+def limit_here(wanted: int) -> int:
+    """Bytes of address space that a worker can have: as many as are wanted, or as this machine allows a process."""
+    try:
+        import resource
+    except ImportError:  # not a Unix
+        return wanted
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    return wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+
+
+def refuse_small_limit() -> None:
+    """Raise ``OutputError`` where no worker can fly within the limit that this machine sets to a process."""
+    if (limit := limit_here(MEMORY_LIMIT)) < LEAST_MEMORY:
+        raise OutputError(
+            f"a process may have {limit >> 20} MB of memory here (ulimit -v), and a worker needs at least "
+            f"{LEAST_MEMORY >> 20} MB; raise that limit"
+        )
+
+
 def prepare_worker(memory_limit: int | None) -> None:
     """What every worker does first: leave Ctrl-C to the parent, and limit memory where a limit is given."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -57,8 +83,23 @@ def prepare_worker(memory_limit: int | None) -> None:
     except ImportError:  # not a Unix
         return
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    resource.setrlimit(resource.RLIMIT_AS, (memory_limit, hard))
+    resource.setrlimit(resource.RLIMIT_AS, (limit_here(memory_limit), hard))
     resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))  # no core file
+
+
+def limited(time_limit: float, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """``function(*arguments)``, in a worker that ends by SIGXCPU when it takes ``time_limit`` s of processor time.
+
+    The system counts whole seconds, and nothing where it is not a Unix.
+    """
+    try:
+        import resource
+    except ImportError:
+        return function(*arguments)
+    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+    until = math.ceil(time.process_time() + time_limit)
+    resource.setrlimit(resource.RLIMIT_CPU, (until if hard == resource.RLIM_INFINITY else min(until, hard), hard))
+    return function(*arguments)
 
 
 class Job(NamedTuple):
@@ -95,10 +136,13 @@ class LocalExecutor:
 
     def finished(self) -> Iterator[tuple[int, Any]]:
         """Results as they end."""
+        stopped = Watch()
         while self._waiting and len(self._running) < self.workers:
             self._start(self._pool())
         while self._running:
-            done, pending = wait(self._running, timeout=1.0, return_when=FIRST_COMPLETED)
+            done, pending = wait(self._running, timeout=LOOK, return_when=FIRST_COMPLETED)
+            if not done:
+                stopped.look(child.pid for child in multiprocessing.active_children() if child.pid is not None)
             for future in done | {future for future in pending if not self._running[future][0].active}:
                 pool, job = self._running.pop(future)
                 ended, alive = self._ending(job, future)
@@ -135,7 +179,8 @@ class LocalExecutor:
             _stop(pool)
             return
         job = self._waiting.popleft()
-        future = pool.schedule(job.function, args=job.arguments, timeout=self.time_limit)
+        call = self.time_limit, job.function, job.arguments
+        future = pool.schedule(limited, args=call, timeout=CLOCK_FACTOR * self.time_limit)
         self._running[future] = (pool, job)
 
     def _ending(self, job: Job, future: Future[Any]) -> tuple[Any, bool]:
@@ -149,16 +194,23 @@ class LocalExecutor:
         try:
             return future.result(), True
         except TimeoutError:
-            return Lost(f"no answer for {self.time_limit:g} s"), False
+            return Lost(f"no answer for {CLOCK_FACTOR * self.time_limit:g} s, most of which it did not compute"), False
         except BrokenProcessPool:  # the same, known to the pool
             return self._again(job._replace(kills=job.kills + 1)), False
         except ProcessExpired as error:
+            if error.exitcode == -signal.SIGXCPU:
+                return Lost(f"no answer within {self.time_limit:g} s of processor time"), False
             if error.exitcode == -signal.SIGKILL:
                 return self._again(job._replace(kills=job.kills + 1)), False
             return self._again(job._replace(aborts=job.aborts + 1)), False
         except OutputError:  # about this machine, not about the flight
             raise
         except MemoryError:
+            if (limit := limit_here(self.memory_limit)) < self.memory_limit:  # about this machine, too
+                raise OutputError(
+                    f"a flight needs more than the {limit >> 20} MB of memory that a process may have here "
+                    f"(ulimit -v); raise that limit; finished flights are kept"
+                ) from None
             return Lost(f"out of memory ({self.memory_limit >> 20} MB for each worker)"), True
         except Exception as error:
             return Lost(f"{type(error).__name__}: {error}"), True

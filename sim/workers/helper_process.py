@@ -9,28 +9,39 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Callable
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import IO, Any
 
 from sim.workers.blas import THREADS
-from sim.workers.executors import prepare_worker
+from sim.workers.executors import CLOCK_FACTOR, limited, prepare_worker
+from sim.workers.partners import watch
 
+LAST = 4096  # bytes of what was written to standard error
+LONGEST_REASON = 300  # characters of it in a sentence
+ESCAPES = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")  # colours of a terminal
+PRIVATE = re.compile(r"/\S*/shortfinal-[^/\s]*/")  # folders that the user never saw
 MARK = "SHORTFINAL_HELPER"  # set in a helper's environment
 START = "import sys; sys.path[:] = {path!r}; from sim.workers.helper_process import serve; serve({limit!r})"
 
 
 class Lost(Exception):
-    """A helper that has ended: how, and whether because it gave no answer in time."""
+    """A helper that has ended.
 
-    def __init__(self, ending: str, late: bool) -> None:
+    ``ending`` says how (a signal), ``late`` whether because its call gave no answer in time, ``computed`` what
+    processor time the call had used (s), ``said`` what was written to standard error, on one line.
+    """
+
+    def __init__(self, ending: str, late: bool, computed: float, said: str) -> None:
         super().__init__(ending)
-        self.ending, self.late = ending, late
+        self.ending, self.late, self.computed, self.said = ending, late, computed, said
 
 
 class HelperProcess:
@@ -39,8 +50,8 @@ class HelperProcess:
     def __init__(self, memory_limit: int | None = None) -> None:
         """Start it; with a limit of memory (bytes) it is for risky work, which may kill it.
 
-        Messages of aborting C++ code are then suppressed, and temporary files are removed with it. Raises ``OSError``
-        where no process can be started.
+        The last words of aborting C++ code are then kept for ``Lost``, and temporary files are removed with it. Raises
+        ``OSError`` where no process can be started.
         """
         risky = memory_limit is not None
         self.folder = TemporaryDirectory(prefix="shortfinal-") if risky else None
@@ -49,13 +60,20 @@ class HelperProcess:
             [sys.executable, "-P", "-c", START.format(path=sys.path, limit=memory_limit)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL if risky else None,
+            stderr=subprocess.PIPE if risky else None,
             env={**dict.fromkeys(THREADS, "1"), **os.environ, **temporary, MARK: "1"},
         )
+        watch(self.process)
+        self._said = LastWords(self.process.stderr)
+        self._before = 0.0  # s of processor time, when the last call had ended
 
     def call(self, function: Callable[..., Any], *arguments: Any, time_limit: float | None = None) -> Any:
-        """``function(*arguments)`` in the helper; raises what it raises, or ``Lost`` when the helper has ended."""
-        work = pickle.dumps((function, arguments), pickle.HIGHEST_PROTOCOL)
+        """``function(*arguments)`` in the helper; raises what it raises, or ``Lost`` when the helper has ended.
+
+        ``time_limit`` is of processor time, s, and ``CLOCK_FACTOR`` times as long on the clock; None = none.
+        """
+        given = (function, arguments) if time_limit is None else (limited, (time_limit, function, arguments))
+        work = pickle.dumps(given, pickle.HIGHEST_PROTOCOL)
         to, back, late = self.process.stdin, self.process.stdout, threading.Event()
         assert to is not None
         assert back is not None
@@ -64,16 +82,19 @@ class HelperProcess:
             late.set()
             self.process.kill()
 
-        timer = threading.Timer(time_limit or 0.0, too_late)
+        timer = threading.Timer(CLOCK_FACTOR * (time_limit or 0.0), too_late)
         timer.daemon = True
         if time_limit is not None:
             timer.start()
         try:
             to.write(work)
             to.flush()
-            is_done, answer = pickle.load(back)
+            is_done, answer, self._before = pickle.load(back)
         except (EOFError, OSError, ValueError, pickle.UnpicklingError):  # ValueError: a pipe that is closed already
-            raise Lost(self.end(), late.is_set()) from None
+            before = _of_children()
+            ending = self.end()
+            computed = max(0.0, _of_children() - before - self._before)
+            raise Lost(ending, late.is_set(), computed, self._said.read()) from None
         except BaseException:
             self.end()
             raise
@@ -89,7 +110,8 @@ class HelperProcess:
             self.process.wait(0.2)  # one that is dying says of what
         self.process.kill()
         code = self.process.wait()
-        for pipe in (self.process.stdin, self.process.stdout):
+        self._said.end()
+        for pipe in (self.process.stdin, self.process.stdout, self.process.stderr):
             if pipe is not None:
                 with contextlib.suppress(OSError):
                     pipe.close()
@@ -98,6 +120,40 @@ class HelperProcess:
         with contextlib.suppress(ValueError):
             return signal.Signals(-code).name
         return f"exit code {code}"
+
+
+class LastWords:
+    """What is written to a pipe at last; it is emptied all the time, or its writer would have to wait."""
+
+    def __init__(self, pipe: IO[bytes] | None) -> None:
+        self._kept = b""
+        self._thread = threading.Thread(target=self._empty, args=(pipe,), daemon=True)
+        if pipe is not None:
+            self._thread.start()
+
+    def _empty(self, pipe: IO[bytes]) -> None:
+        with contextlib.suppress(OSError, ValueError):
+            while some := os.read(pipe.fileno(), 65536):
+                self._kept = (self._kept + some)[-LAST:]
+
+    def end(self) -> None:
+        """Wait for the end of the pipe, whose writer is gone."""
+        if self._thread.ident is not None:
+            self._thread.join(1.0)
+
+    def read(self) -> str:
+        """On one line, printable, of an exception what it says; empty where nothing was written."""
+        text = ESCAPES.sub("", self._kept.decode(errors="replace"))
+        _, exception, message = text.rpartition("what():")
+        text = " ".join(PRIVATE.sub("", message).split())
+        text = "".join(letter for letter in text if letter.isprintable())
+        return text[:LONGEST_REASON] if exception else text[-LONGEST_REASON:]
+
+
+def _of_children() -> float:
+    """Processor time of all children that have ended, s."""
+    ended = os.times()
+    return ended.children_user + ended.children_system
 
 
 def is_helper() -> bool:
@@ -117,9 +173,9 @@ def serve(memory_limit: int | None) -> None:
         except EOFError:
             return
         try:
-            answer = (True, function(*arguments))
+            answer = (True, function(*arguments), time.process_time())
         except Exception as error:  # whatever it is, the caller gets it as if it had called the function itself
             error.add_note(traceback.format_exc())
-            answer = (False, error)
+            answer = (False, error, time.process_time())
         pickle.dump(answer, answers, pickle.HIGHEST_PROTOCOL)
         answers.flush()

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from sim.errors import ScenarioError
 from sim.scenario.plugins import carried
-from sim.workers.executors import MEMORY_LIMIT
+from sim.workers.executors import CLOCK_FACTOR, MEMORY_LIMIT, limit_here, refuse_small_limit
 from sim.workers.helper_process import HelperProcess, Lost, is_helper
 
 KINEMATICS = "point_mass"
@@ -27,8 +27,8 @@ T = TypeVar("T")
 def run_isolated(scenario: Any, time_limit: float, function: Callable[..., T], *arguments: Any) -> T:
     """``function(*arguments)``, in a helper process where the scenario's aircraft is not one of ours.
 
-    Raises what the function raises, and ``ScenarioError`` in one sentence where the helper aborts, runs out of memory
-    or gives no answer for ``time_limit`` seconds.
+    Raises what the function raises, and ``ScenarioError`` in one sentence where the helper aborts, runs out of memory,
+    computes for ``time_limit`` s without an answer, or gives none for ``CLOCK_FACTOR`` times as long on the clock.
     """
     model = scenario.aircraft.model
     if _is_ours(model) or is_helper() or multiprocessing.parent_process() is not None:
@@ -38,12 +38,26 @@ def run_isolated(scenario: Any, time_limit: float, function: Callable[..., T], *
         found: T = _asked(time_limit, _in_folder, os.getcwd(), call, given)
         return found
     except Lost as lost:
-        how = f"gives no answer for {time_limit:g} s" if lost.late else f"aborts the simulation ({lost.ending})"
+        how = _in_words(lost, time_limit)
     except MemoryError:
-        raise ScenarioError(f"the model needs more than {MEMORY_LIMIT >> 20} MB of memory") from None
+        limit = limit_here(MEMORY_LIMIT)
+        whose = ", and a process may not have more here (ulimit -v)" if limit < MEMORY_LIMIT else ""
+        raise ScenarioError(f"the model needs more than {limit >> 20} MB of memory{whose}") from None
     except _NoProcess as error:
         how = f"needs a process of its own, which cannot be started: {error}"
     raise ScenarioError(f"{scenario.name}: [aircraft] the model '{model}' {how}; it cannot be flown")
+
+
+def _in_words(lost: Lost, time_limit: float) -> str:
+    """What a model did, or what happened to it."""
+    if lost.ending == "SIGXCPU":
+        return f"gives no answer within {time_limit:g} s of processor time"
+    if lost.late:
+        return (
+            f"gives no answer for {CLOCK_FACTOR * time_limit:g} s, in which it computed for {lost.computed:.0f} s: "
+            "it waits for something, or this machine does too much at once"
+        )
+    return f"aborts the simulation ({lost.ending}{': ' if lost.said else ''}{lost.said})"
 
 
 def _in_folder(folder: str, function: Callable[..., T], arguments: tuple[Any, ...]) -> T:
@@ -67,7 +81,7 @@ def _asked(time_limit: float, function: Callable[..., T], *arguments: Any) -> T:
             found: T = helper.call(function, *arguments, time_limit=time_limit)
             return found
         except Lost as lost:
-            if is_fresh or lost.late:
+            if is_fresh or lost.late or lost.ending == "SIGXCPU":
                 raise
             continue  # it may have died of what it did before
         finally:
@@ -76,6 +90,7 @@ def _asked(time_limit: float, function: Callable[..., T], *arguments: Any) -> T:
 
 
 def _started() -> HelperProcess:
+    refuse_small_limit()
     try:
         return HelperProcess(MEMORY_LIMIT)
     except OSError as error:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from tests.hostile.foreign import FOREIGN
 from tests.hostile.models import FLIES, MODELS
 from tests.hostile.scenario_base import CAPTURE
 from tests.hostile.scenarios import SCENARIOS
+from tests.hostile.test_foreign_models import cases as foreign_cases
+from tests.hostile.test_foreign_models import complaint
 from tests.hostile.watched import Answer, Case, Sandbox
 
 pytestmark = pytest.mark.acceptance
@@ -59,3 +62,22 @@ def test_mutated_scenarios(tmp_path, row):
     measured, met = told(answers, sandbox, len(set(before.items()) ^ set(sandbox.files().items())))
     row("mutated scenarios", f"2,000; {ASKED}", measured, met)
     assert met
+
+
+def test_foreign_layouts(tmp_path, row):
+    sandbox = Sandbox(tmp_path)
+    asked = foreign_cases(sandbox, FOREIGN, flown=True)
+    before = sandbox.files()
+    answers = sandbox.answers(asked, time_limit=1800.0)
+    complaints = [text for name in FOREIGN if (text := complaint(name, answers))]
+    offences = [*sandbox.offences(), *map(str, set(before.items()) ^ set(sandbox.files().items()))]
+    loaded = sum(answers[name].code == 0 for name in FOREIGN)
+    repaired = sum(answers[f"repaired {name}"].code == 0 for name in FOREIGN)
+    figures = (
+        f"{loaded} load as they lie, {repaired} with repairs; {len(complaints)} other than wanted, "
+        f"{len(offences)} files outside or sockets"
+    )
+    met = not complaints and not offences
+    row(f"foreign layouts, {len(FOREIGN)} aircraft", ">= 25; each loads or is refused with all reasons", figures, met)
+    assert "\n".join((*complaints, *offences)) == ""
+    assert len(FOREIGN) >= 25

@@ -25,7 +25,9 @@ def ran(name, trackers, draws, *changes):
     """One flight of a bundled scenario with some of its trackers."""
     tables = sim.read(name).tables["trackers"]
     chosen = {tracker: tables[tracker] for tracker in trackers}
-    return sim.run(name, seed=SEED, draws=draws, overrides={"trackers": chosen, "checks": [], "contrasts": [], **dict(changes)})
+    return sim.run(
+        name, seed=SEED, draws=draws, overrides={"trackers": chosen, "checks": [], "contrasts": [], **dict(changes)}
+    )
 
 
 def squares(result, name, channel):

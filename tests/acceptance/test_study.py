@@ -159,7 +159,7 @@ def test_flights_that_cells_share(row, tmp_path):
     flown(tmp_path / "shared", "zmax_mismatch")
     between = resource.getrusage(resource.RUSAGE_CHILDREN)
     probe = (
-        "import sys; from sim.studies import flight_cache; flight_cache.shared = lambda prepared: False\n"
+        "import sys; from sim.studies.kept import flight_cache; flight_cache.shared = lambda prepared: False\n"
         "from sim.studies import study; study.study('zmax_mismatch', __import__('pathlib').Path(sys.argv[1]), "
         "type('Inline', (), {'submit': lambda s, n, f, *a: vars(s).setdefault('jobs', []).append((n, f, a)), "
         "'finished': lambda s: ((n, f(*a)) for n, f, a in s.jobs), 'close': lambda s: None})())"

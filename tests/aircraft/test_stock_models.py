@@ -172,8 +172,9 @@ def test_the_model_of_a_user_is_not_repaired(tmp_path):
     home.mkdir()
     text = (stock_root() / "aircraft" / "L17" / "L17.xml").read_text()
     (home / "mine.xml").write_text(text)
-    with pytest.raises(ModelError, match="fcs/flaps-pos-deg does not exist"):
+    with pytest.raises(ModelError, match=r"nothing here sets fcs/flaps-pos-deg, .* aircraft\.repairs = true"):
         load(home)
+    assert load(home, repaired=True).repairs == load("L17").repairs
 
 
 @pytest.mark.parametrize(("model", "speed"), [("c182", 40.0), ("Boeing314", 60.0)])

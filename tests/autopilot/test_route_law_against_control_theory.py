@@ -47,6 +47,12 @@ def test_longitudinal_gains_are_those_of_python_control(point):
     assert max(poles.real) < 0.0
 
 
+def test_ailerons_and_rudder_without_effect_are_named(point):
+    A, B = point.lateral
+    with pytest.raises(ValueError, match="aileron and rudder do not steer this aircraft"):
+        design.lateral_gains(point._replace(lateral=(A, 0.0 * B)))
+
+
 def test_bank_loop_follows_without_error_and_with_its_bandwidth(point):
     A, B, C = design.bank_loop(point)
     loop = control.ss(A, B[:, :1], C.reshape(1, -1), 0.0)

@@ -22,7 +22,7 @@ PAGES = (
     README,
     ROOT / "CONTRIBUTING.md",
     *sorted((ROOT / "docs" / "tutorials").glob("*.md")),
-    *(ROOT / "docs" / f"{name}.md" for name in ("architecture", "choosing-a-tracker", "extending")),
+    *(ROOT / "docs" / f"{name}.md" for name in ("architecture", "choosing-a-tracker", "dispersion", "extending")),
 )
 TEXTS = {page.name: page.read_text(encoding="utf-8") for page in PAGES}
 BLOCKS = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)

@@ -105,7 +105,7 @@ def emptied(home: Path) -> None:
 FLAPS = "flaps_deg = 0\nplacard_speed_mps = 9\nstall_speed_mps = 9"
 LAUGHS = "".join(f'<!ENTITY l{i} "{f"&l{i - 1};" * 10 if i else "ha"}">' for i in range(10))
 STEERS = "steers the simulator"
-ABORTS = r"aborts the simulation \(SIGABRT\)"
+ABORTS = r"aborts the simulation \(SIGABRT: (std::|vector|cannot).*\)"
 
 MODELS = {
     # what writes, listens and sends
@@ -238,8 +238,8 @@ MODELS = {
     ),
     "data_of_tables_for_texts": HostileModel("other way round", GOOD, {"data_of_tables_for_texts.toml": "sources = 3"}),
     # names
-    "an26": HostileModel("hides", GOOD),
-    "c172x": HostileModel("hides", GOOD),
+    "an26": HostileModel(FLIES, GOOD),
+    "c172x": HostileModel(FLIES, GOOD),
     "a b": HostileModel(FLIES, GOOD),
     ODD_NAME: HostileModel(FLIES, GOOD),
 }

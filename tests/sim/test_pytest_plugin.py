@@ -158,6 +158,28 @@ def test_a_file_with_a_study_is_flown_as_the_study(project):
     assert "shortfinal_workers: must be a whole number from 1 on, not 'many'" in project("air.scenario.toml")[1]
 
 
+def test_two_files_of_one_name_have_two_reports(project):
+    for number in (1, 2):
+        (project.folder / f"d{number}").mkdir()
+        broken = BAD.replace("max = 2", f"max = 1.{number}")
+        (project.folder / f"d{number}/line.scenario.toml").write_text(SCENARIO + broken)
+    (project.folder / "line.scenario.toml").unlink()
+    code, told = project("--shortfinal-report=kept")
+    assert code == 1, told
+    for name, limit in (("line", "1.1"), ("line-2", "1.2")):
+        assert f"report: kept/{name}/report.html" in told
+        assert f"limit {limit} deg" in told
+        assert f"max    = {limit}" in (project.folder / "kept" / name / "scenario.toml").read_text()
+    (project.folder / "d1/line.scenario.toml").unlink()
+    (project.folder / "file").write_text("years of work")
+    code, told = project("--shortfinal-report=file")
+    assert code == 1, told
+    assert "INTERNALERROR" not in told
+    assert "no report: file/line: cannot be written: Not a directory" in told
+    assert "limit 1.2 deg" in told
+    assert (project.folder / "file").read_text() == "years of work"
+
+
 def test_a_broken_file_is_one_collection_error_with_file_and_key(project):
     (project.folder / "line.scenario.toml").write_text(SCENARIO)
     (project.folder / "typo.scenario.toml").write_text(SCENARIO.replace("cross_track_m", "cross_trak_m") + GOOD)

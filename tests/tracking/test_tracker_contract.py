@@ -73,7 +73,13 @@ def poisoned(self, state, dt, z, R):
     return (moved if z is None else Gaussian(moved.mean + 0.0 * z.sum(axis=0), moved.cov)), innovation
 
 
+def gullible(self, state, dt, z, R):
+    (mean, cov), innovation = step(self, state, dt, z, R)
+    return Gaussian(mean, cov - (1e6 * np.eye(4)[..., None] if z is not None and not R.any() else 0.0)), innovation
+
+
 WRONG = {
+    "negative in some direction once a look is exact": {"step": gullible},
     "a run comes out otherwise alone": {"step": of_all_runs},
     "step changes the state that is passed to it": {"step": in_place},
     "step over no time, without a measurement, changes the estimate": {"step": restless},

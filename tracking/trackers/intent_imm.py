@@ -193,11 +193,15 @@ class IntentImm:
         law = self.bank(laws.mean.ndim - 2)
         share = laws.weights / laws.weights.sum(axis=0)
         gaussian = Gaussian(laws.mean, laws.cov)
-        count, step = sub_steps(dt, self.sub_step)
+        count, step, rest = sub_steps(dt, self.sub_step)
         Q = lift(uniform(self._path.axes, step, self.law_density)[1], 2, laws.cov.ndim - 2)
         for _ in range(count):
             gaussian = saturated_control.with_slope(law, self._path, PathState(gaussian, place), step, Q)
             place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), step)
+        if rest:
+            F, Q = uniform(self._path.axes, rest, self.law_density)
+            gaussian = predict(gaussian, lift(F, 2, laws.cov.ndim - 2), lift(Q, 2, laws.cov.ndim - 2))
+            place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), rest)
         return gaussian, place
 
     def _coast(self, gaussian: Gaussian, dt: float) -> Gaussian:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
@@ -44,11 +45,7 @@ class LineOfApproach:
 
     def transition(self, dt: float, mean: Any) -> Transition:
         """(F, Q) over dt: those of one axis, turned so that each density acts along its own direction."""
-        F, Q = constant_velocity(dt, 1.0)
-        c, s = math.cos(self.zero_azimuth), math.sin(self.zero_azimuth)
-        turn = np.array(((c, -s), (s, c)))
-        densities = turn @ np.diag((self.along_density, self.across_density)) @ turn.T
-        return Transition(np.kron(np.eye(2), F), np.kron(densities, Q))
+        return _transition(dt, self.zero_azimuth, self.along_density, self.across_density)
 
     def begin(self, prior: Gaussian) -> Gaussian:
         return prior
@@ -58,6 +55,16 @@ class LineOfApproach:
 
     def estimate(self, state: Gaussian) -> Gaussian:
         return state
+
+
+@functools.lru_cache(maxsize=256)
+def _transition(dt: float, zero_azimuth: float, along: float, across: float) -> Transition:
+    """Kept, because an autopilot that flies on the estimate asks at every step, and steps are equally long."""
+    F, Q = constant_velocity(dt, 1.0)
+    c, s = math.cos(zero_azimuth), math.sin(zero_azimuth)
+    turn = np.array(((c, -s), (s, c)))
+    densities = turn @ np.diag((along, across)) @ turn.T
+    return Transition(np.kron(np.eye(2), F), np.kron(densities, Q))
 
 
 def _conditioned(state: Gaussian, linear: Linear) -> tuple[Gaussian, Innovation]:

@@ -20,6 +20,7 @@ from tracking.reference_path import (
     channels_on_path,
     check_tuning,
     closed,
+    coasted,
     corrected,
     embed,
     estimate_on_path,
@@ -64,7 +65,7 @@ class LinearFeedback:
         return PathState(predict(state.gaussian, F, Q), self.path.advance(state.place, on_line, dt))
 
     def _on_legs(self, path: Legs, state: PathState, dt: float) -> PathState:
-        count, step = sub_steps(dt, self.sub_step)
+        count, step, rest = sub_steps(dt, self.sub_step)
         F, Q = uniform(path.axes, step, self.acceleration_density)
         for _ in range(count):
             (mean, cov), place = state
@@ -84,7 +85,7 @@ class LinearFeedback:
                 F @ on_leg,
             )
             state = PathState(moved, path.advance(place, moved.mean, step))
-        return state
+        return coasted(path, state, rest, self.acceleration_density)
 
     path, channels = cached_property(path_of), cached_property(channels_on_path)
     begin, estimate = begin_on_path, estimate_on_path

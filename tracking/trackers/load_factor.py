@@ -41,6 +41,7 @@ DOWNLINK = (
 )
 BLOCKS = (*RADAR, *DOWNLINK)
 ANGLES = frozenset(("elevation", "azimuth", "aerodynamic_bank", "flight_path_angle", "air_course"))
+MOST_STEPS = 1000  # of the azimuth, in one silence
 
 Aid = Literal["published", "intended", "corrected", "corrected_residual"]
 
@@ -305,8 +306,9 @@ class LoadFactor:
         block, aid = state.blocks.azimuth, state.aid
         moved = block.gaussian
         clamped, left = state.clamped, np.asarray(block.clock, dtype=float)
+        longest = np.maximum(self.longest_step, left / MOST_STEPS)  # the downlink is silent then: exact however long
         while True:
-            span = np.minimum(left, self.longest_step)
+            span = np.minimum(left, longest)
             left = left - span
             further = span > 0.0
             if not further.any():

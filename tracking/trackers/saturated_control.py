@@ -70,11 +70,14 @@ class SaturatedControl:
 
     def _driven(self, state: PathState, dt: float) -> PathState:
         mean, place = state.gaussian.mean, state.place
-        count, step = sub_steps(dt, self.sub_step)
+        count, step, rest = sub_steps(dt, self.sub_step)
         for _ in range(count):
             bank = self.law(self.path.deviation(place, mean))
             mean = self.path.steered(place, mean, bank, step)
             place = self.path.advance(place, mean, step)
+        if rest:
+            mean = uniform(self.path.axes, rest, 0.0)[0] @ mean
+            place = self.path.advance(place, mean, rest)
         # uniform motion with isotropic noise looks the same from every leg: one covariance for all runs
         moved = predict(state.gaussian, *uniform(self.path.axes, dt, self.density))
         return PathState(moved._replace(mean=mean), place)

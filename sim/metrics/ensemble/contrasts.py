@@ -15,9 +15,12 @@ from sim.scenario.tables import Contrast
 def contrasts_over_flights(asked: Sequence[Contrast], records: Sequence[dict[str, Any]]) -> list[Entry]:
     """The list ``contrasts`` of metrics.json over all flights; its keys are those of one flight.
 
-    An RMSE is the root mean square over the flights that have it, the ratio that of the two, ``n`` those flights.
+    An RMSE is the root mean square over the flights that have it, the ratio that of the two, ``n`` those flights. One
+    flight alone has its own figures, with intervals over its draws.
     """
     each = [record["metrics"].get("contrasts", {}) for record in records]
+    if len(each) == 1:
+        return [each[0].get(one.pair, entry(one, {})) for one in asked]
     return [entry(one, _pooled([_tables(flight[one.pair]) for flight in each if one.pair in flight])) for one in asked]
 
 

@@ -178,14 +178,15 @@ def _refuse_misspelt(metric: str, records: Sequence[dict[str, Any]]) -> None:
 def worst_first(records: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """The records, those with most broken checks first, then those that ended badly, then the nearest to a limit.
 
-    Nearness is the margin over the size of the limit, so that checks of different units can be compared.
+    Nearness is the margin over the size of the limit, so that checks of different units can be compared; a limit of
+    zero has no size, and a margin of exactly zero is that of a yes or no.
     """
 
     def badness(record: dict[str, Any]) -> tuple[Any, ...]:
         results = record["checks"]
         crashed = record["metrics"]["outcome"] in (CRASHED, REFUSED)
         broken = sum(result["passed"] is False for result in results)
-        margins = [one["margin"] / max(abs(one["limit"]), 1e-9) for one in results if one["margin"] is not None]
+        margins = [one["margin"] / abs(one["limit"]) for one in results if one["margin"] and one["limit"]]
         return not crashed, -broken, record["metrics"]["outcome"] in GOOD, min(margins, default=0.0), record["flight"]
 
     return sorted(records, key=badness)

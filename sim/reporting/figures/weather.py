@@ -154,7 +154,7 @@ def turbulence_met(flight: Flight, scenario: Any) -> np.ndarray:
     known = np.array([still(t, (n, e, h), v) for t, n, e, h, v in places]).T
     north, east, up = flight.wind - known
     wind = table.steady
-    axis = scenario.runway.heading if table.speed == 0.0 else math.atan2(wind[1], wind[0])
+    axis = scenario.runway.heading if table.strength == 0.0 else math.atan2(wind[1], wind[0])
     c, s = math.cos(axis), math.sin(axis)
     return np.array((c * north + s * east, c * east - s * north, up))
 

@@ -12,25 +12,28 @@ from sim.reporting.text.labels import column, joined, number, split, words
 from sim.reporting.tracker_figures.error_curves import Shown
 
 PLACES = {"cross_track_m": "across track", "position_m": "of position", "height_m": "of height"}
+MOST_LOST = 0.02  # share of the draws that a winner may lose
 TOO_SURE = 1.5  # ANEES beyond which the winner is called too sure of itself
 
 
 def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown], short: bool = False) -> str:
     """The best of those that saw the same measurements; empty where nothing was tracked.
 
-    A tracker with a mismatched law does not win while there are others: what it is good for is to be compared with the
-    one that has the law that flies. ``short`` leaves out what a law was worth. ``trackers`` as in metrics.json. Ratios
-    are of root mean square errors over common draws; two trackers are alike where the paired 95 % interval of their
-    ratio holds 1.
+    On one line they are compared across it, on a route by position. A tracker with a mismatched law, or one that loses
+    draws, does not win while there are others: the first is there to be compared with its twin, the second is no
+    tracker to rely on. ``short`` leaves out what a law was worth. ``trackers`` as in metrics.json. Ratios are of root
+    mean square errors over common draws; two trackers are alike where the paired 95 % interval of their ratio holds 1.
     """
-    channel, rivals = _contest(trackers, followed)
+    channel, rivals = _contest(flight, trackers, followed)
     if not rivals:
         return ""
-    best = next((one for one in rivals if one.law_from != MISMATCHED), rivals[0])
+    best = min(
+        rivals, key=lambda one: (one.law_from == MISMATCHED, _lost(trackers, one) > MOST_LOST)
+    )  # of equals: first
     others = [one for one in rivals if one is not best]
     parts = [f"{_head(trackers, channel, best, rivals)}"]
     if others:
-        parts.append(_behind(flight, channel, best, others))
+        parts.append(_behind(flight, trackers, channel, best, others))
     parts += [] if short else _law(trackers, channel, best, others)
     figures = trackers[best.name]
     if (figures.get("anees_low") or 0.0) > TOO_SURE:
@@ -42,10 +45,16 @@ def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown]
     return "; ".join(part for part in parts if part) + "."
 
 
-def _contest(trackers: dict[str, Any], followed: list[Shown]) -> tuple[str, list[Shown]]:
+def _lost(trackers: dict[str, Any], one: Shown) -> float:
+    """The share of its draws that a tracker lost."""
+    return float(trackers[one.name].get("lost_fraction") or 0.0)
+
+
+def _contest(flight: Flight, trackers: dict[str, Any], followed: list[Shown]) -> tuple[str, list[Shown]]:
     """The channel that is compared and, best first, the trackers that have it from the most used set of sensors."""
     able: list[Shown] = []
-    for channel in (*PLACES, *dict.fromkeys(c for one in followed for c in one.curves.channels)):
+    places = sorted(PLACES, key=lambda channel: channel == "cross_track_m") if len(flight.route.legs) > 1 else PLACES
+    for channel in (*places, *dict.fromkeys(c for one in followed for c in one.curves.channels)):
         able = [one for one in followed if _rmse(trackers, channel, one) is not None]
         if able:
             break
@@ -85,7 +94,7 @@ def _ratio(channel: str, one: Shown, best: Shown) -> tuple[float, bool]:
     return found.value, bool(found.low <= 1.0 <= found.high)
 
 
-def _behind(flight: Flight, channel: str, best: Shown, others: list[Shown]) -> str:
+def _behind(flight: Flight, trackers: dict[str, Any], channel: str, best: Shown, others: list[Shown]) -> str:
     """Trackers as good as the best, and by how much and where the next one is worse."""
     ratios = {one.name: _ratio(channel, one, best) for one in others}
     alike = [words(one.name) for one in others if ratios[one.name][1]]
@@ -97,9 +106,10 @@ def _behind(flight: Flight, channel: str, best: Shown, others: list[Shown]) -> s
         where = _where(flight, channel, best, behind[0])
         parts.append(f"next is {words(behind[0].name)} with {number(value, 2)} times the error{where}")
     for one in told:
-        if ratios[one.name][0] < 1.0:  # only what does not win although it errs less: a mismatched law
-            times = number(ratios[one.name][0], 2)
-            parts.append(f"yet {words(one.name)} has {times} times the error although its law is mismatched")
+        if ratios[one.name][0] < 1.0:  # only what does not win although it errs less
+            times, lost = number(ratios[one.name][0], 2), number(100.0 * _lost(trackers, one), 1)
+            why = "its law is mismatched" if one.law_from == MISMATCHED else f"it loses {lost} % of the draws"
+            parts.append(f"yet {words(one.name)} has {times} times the error although {why}")
     return ", ".join(parts)
 
 

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from sim.scenario.toml_writer import inline
 
 UNIT_WORDS = {"mps": "m/s", "mps2": "m/s2", "degps": "deg/s", "": ""}
 Table = Mapping[str, Any]
+Again = Callable[[int, Table], str]
+"""How one flight is flown again, by its number and the values that are chosen for it."""
 
 
-def broken_checks(metrics: Table, again: str) -> list[str]:
+def broken_checks(metrics: Table, again: Again) -> list[str]:
     """A sentence for each check that failed, from metrics.json; ``again`` as in `broken`."""
     return [broken(check, metrics, again) for check in metrics["checks"] if check["passed"] is False]
 
 
-def broken(check: Table, metrics: Table, again: str) -> str:
+def broken(check: Table, metrics: Table, again: Again) -> str:
     """A check that failed: how many flights kept it where there are several, and the flight that decides.
 
     ``again`` is how to fly that one again, as `run_again` gives it; ``metrics`` has the seed, and of a study the axes.
@@ -27,7 +29,7 @@ def broken(check: Table, metrics: Table, again: str) -> str:
         + [f"{address} = {_value(value)}" for address, value in check["at"].items()]
     )
     source = f"source: {check['source'] or 'not given'}"
-    how = fly_again(again, check["flight"], check["at"], metrics)
+    how = again(check["flight"], chosen(check["at"], metrics))
     if check["flights"] == 1:
         return f"{check['name']}: {_found(check)}; {source}; {where}: {how}"
     return f"{check['name']}: {_count(check, metrics)}; {_found(check)}; {source}; {where}: {how}"
@@ -58,18 +60,25 @@ def _found(check: Table) -> str:
     return found if check["margin"] >= 0 else f"{found}, beyond it by {with_unit(-check['margin'], check)}"
 
 
-def fly_again(again: str, flight: int, at: Table, metrics: Table) -> str:
-    """How one flight is flown again; of a study chosen values are set, and what is drawn follows from its number."""
-    axes = metrics.get("axes", {})
-    chosen = {address: value for address, value in at.items() if "values" in axes.get(address, {})}
-    sets = "".join(f" --set {shlex.quote(f'{address}={inline(value)}')}" for address, value in chosen.items())
-    return again.replace("{flight}", str(flight)).replace("{sets}", sets)
+def chosen(values: Table, metrics: Table) -> dict[str, Any]:
+    """Those of a flight's values that a study chose; what is drawn follows from the number of the flight."""
+    return {
+        address: values[address]
+        for address, axis in metrics.get("axes", {}).items()
+        if "values" in axis and address in values
+    }
 
 
-def run_again(file: Any, plugins: Iterable[Any] = ()) -> str:
-    """The command that flies one flight of a file again; ``{flight}`` and ``{sets}`` in it are filled in later."""
+def run_again(file: Any, plugins: Iterable[Any] = ()) -> Again:
+    """The command that flies a flight of a file again, as it is typed into a shell."""
+    start = f"shortfinal run {shlex.quote(str(file))}"
     brought = "".join(f" --plugin {shlex.quote(str(one))}" for one in plugins)
-    return f"shortfinal run {shlex.quote(str(file))}{{sets}}{brought} --flight {{flight}}"
+
+    def command(flight: int, values: Table) -> str:
+        sets = "".join(f" --set {shlex.quote(f'{address}={inline(value)}')}" for address, value in values.items())
+        return f"{start}{sets}{brought} --flight {flight}"
+
+    return command
 
 
 def phases(check: Table) -> str:

@@ -27,7 +27,7 @@ _SHOWN = {
     "n": "N",
     "db": "dB",
 }
-_JOINED = {"cross track": "cross-track", "past threshold": "past the threshold", "rms": "RMS"}
+_JOINED = {"cross track": "cross-track", "past threshold": "past the threshold", "rms": "RMS", "rmse": "RMSE"}
 
 
 def unit(suffix: str) -> str:
@@ -52,7 +52,7 @@ def words(name: str) -> str:
     """An identifier as words: ``final_turn`` is "final turn", ``intent_imm`` is "intent IMM"."""
     text = name.replace("_", " ").replace(".", ": ")
     for plain, joined in _JOINED.items():
-        text = text.replace(plain, joined)
+        text = re.sub(rf"\b{plain}\b", joined, text)
     return re.sub(r"\bimm\b", "IMM", text)
 
 

@@ -75,6 +75,13 @@ def every_flight(records: Sequence[dict[str, Any]], names: Sequence[str]) -> lis
     return rows
 
 
+def flights_of(metrics: dict[str, Any]) -> str:
+    """How many flights a study has, and in how many cells where there are several."""
+    flights, cells = metrics["flights"], len(metrics["rows"])
+    told = f"{flights} flight{'s' if flights > 1 else ''}"
+    return f"{told} in {cells} cells" if cells > 1 else told
+
+
 def _limits(asked: Check, places: int) -> str:
     """What was allowed, as a relation or a range."""
     low, high = (None if bound is None else number(float(bound), places) for bound in (asked.min, asked.max))

@@ -10,6 +10,7 @@ from autopilot.landing import REFERENCE_MARGIN
 from sim.flight.outcomes import STOPPED
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
+from tracking.track import FARTHEST
 
 CLOSE = 50.0  # m from an antenna: there the noise of a range is a good part of it, and its angles mean little
 
@@ -47,6 +48,16 @@ def warnings(
         if any(figure["rmse"] is None or not np.isfinite(figure["rmse"]) for figure in its["overall"].values())
     ]
     return [sentence for sentence in found if sentence]
+
+
+def skipped_looks(tracks: dict[str, Any]) -> list[str]:
+    """Sentences about looks that trackers could not use; ``tracks`` as a flight's result has them."""
+    return [
+        f"tracker '{name}' could not use {int(skipped.sum())} of {len(skipped)} looks, the first at "
+        f"{its.track.time[skipped][0]:.1f} s: what they measured is beyond {FARTHEST:g} m, or leaves no estimate"
+        for name, its in tracks.items()
+        if its.track.skipped is not None and (skipped := its.track.skipped.any(axis=1)).any()
+    ]
 
 
 def contrast_warnings(contrasts: list[dict[str, Any]], trackers: dict[str, dict[str, Any]]) -> list[str]:

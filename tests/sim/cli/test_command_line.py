@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.capture import capture
+from tests.hostile.foreign import FOREIGN
 
 RADAR = """
 [sensors.radar]
@@ -196,6 +197,17 @@ def test_lists_and_schema_and_doctor_answer(command, tmp_path):
     schema = json.loads(command("schema").stdout)
     assert "bank_limit_deg" in json.dumps(schema)
     assert command("doctor").returncode == 0
+
+
+def test_doctor_says_what_an_aircraft_lacks_and_what_repairs_do(command, tmp_path):
+    path = FOREIGN["read by a switch"].write(tmp_path)
+    told = command("doctor", "--aircraft", path)
+    assert told.returncode == 0
+    said = " ".join(told.stdout.split())
+    assert "BAD as it lies: 'plane' cannot be used: nothing here sets /sim/a, /sim/b, /sim/c" in said
+    assert "note aircraft.repairs = true: nothing sets /sim/a, /sim/b, /sim/c: held at 0" in said
+    assert "good aircraft.repairs = true: its slowest level flight is" in said
+    assert command("doctor", "--aircraft", tmp_path / "none").returncode == 2
 
 
 def test_help_does_not_import_the_heavy_libraries(tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import sys
 
 import numpy as np
@@ -12,6 +13,8 @@ import pytest
 from sim.cli.export import export
 from sim.errors import OutputError
 from sim.files import MARK, write_npz
+from sim.studies.folder import identity, stamp
+from sim.studies.kept.flight_log import line
 
 TIME = np.array((0.0, 1 / 30, 2 / 30))
 Z = np.arange(12.0).reshape(3, 2, 2) / 7  # epochs, channels, draws
@@ -140,21 +143,22 @@ def test_parquet_without_pyarrow_is_one_sentence(run_folder, monkeypatch):
 def test_a_study_has_a_row_for_each_flight(tmp_path):
     (tmp_path / MARK).write_text("")
     (tmp_path / "cache").mkdir()
-    (tmp_path / "cache/identity.json").write_text("{}")
+    (tmp_path / "cache/identity.json").write_text(json.dumps(identity("", 1)))
     log = tmp_path / "flights.jsonl"
 
-    def record(cell, speed, **metrics):
-        return {"cell": cell, "sample": 0, "flight": 0, "values": {"wind.speed_mps": speed}, "metrics": metrics}
+    def written(cell, speed, **metrics):
+        place = {"cell": cell, "sample": 0, "flight": 0, "values": {"wind.speed_mps": speed}}
+        return line({**place, "metrics": metrics, "checks": []}, stamp(tmp_path))
 
-    landed = record(1, 5.0, outcome="landed", touchdown={"sink_mps": 0.7}, overshoot_m=3.0)
-    crashed = record(0, 0.0, outcome="crashed", reason="no worker")
+    landed = written(1, 5.0, outcome="landed", reason="", touchdown={"sink_mps": 0.7}, overshoot_m=3.0)
+    crashed = written(0, 0.0, outcome="crashed", reason="no worker")
     torn = '{"cell": 2, "samp'
-    log.write_text(f"{json.dumps(landed)}\n{json.dumps(crashed)}\n{torn}")
+    log.write_text(f"{landed}{crashed}{torn}")
     export(tmp_path, "csv")
     assert (tmp_path / "flights.csv").read_text().splitlines() == [
-        "cell,sample,flight,wind.speed_mps,outcome,touchdown.sink_mps,overshoot_m",
+        "cell,sample,flight,wind.speed_mps,outcome,overshoot_m,touchdown.sink_mps",
         "0,0,0,0.0,crashed,,",
-        "1,0,0,5.0,landed,0.7,3.0",
+        "1,0,0,5.0,landed,3.0,0.7",
     ]
     assert log.read_text().endswith(torn)  # it may be on its way
     log.write_text("")
@@ -197,9 +201,40 @@ def damage_version(folder):
     (folder / "flight.npz").write_bytes(data)
 
 
+def damage_shapes(folder):
+    np.savez(folder / "flight.npz", time_s=np.array(1.0))
+
+
+def damage_names(folder):
+    np.savez(folder / "tracks.npz", **{"../../theirs.time_s": np.zeros(2)})
+
+
+def damage_link(folder):
+    (folder / "flight.csv").symlink_to(folder.parent / "theirs")
+
+
+def damage_pipe(folder):
+    (folder / "flight.npz").unlink()
+    os.mkfifo(folder / "flight.npz")
+
+
+def damage_figures(folder):
+    (folder / "metrics.json").write_text('{"contrasts": [{"of": 1}]}')
+
+
+def damage_metrics(folder):
+    (folder / "metrics.json").write_text("[" * 100_000)
+
+
 @pytest.mark.parametrize(
     ("damage", "said"),
     [
+        (damage_shapes, r"flight\.npz: damaged"),
+        (damage_names, r"tracks\.npz: damaged"),
+        (damage_link, r"flight\.csv in it is a link"),
+        (damage_pipe, r"flight\.npz in it is neither a file nor a folder"),
+        (damage_figures, r"metrics\.json: damaged"),
+        (damage_metrics, r"metrics\.json: damaged"),
         (damage_nothing, "not a run folder"),
         (damage_missing, r"tracks\.npz: missing"),
         (damage_truncated, r"measurements\.npz: damaged"),

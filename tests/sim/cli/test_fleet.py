@@ -2,6 +2,7 @@
 
 import os
 import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -10,6 +11,7 @@ from aircraft.slowest import complete
 from aircraft.stock import STOCK_TABLE
 from sim.cli import fleet
 from sim.cli.listing import aircraft_lines
+from tests.hostile.foreign import FOREIGN
 
 
 def dying(model):
@@ -45,6 +47,22 @@ def test_what_cannot_fly_says_why_in_one_sentence():
         reason = fleet.described(model)["reason"]
         assert reason
         assert "\n" not in reason
+
+
+def test_a_folder_of_others_is_searched_and_each_aircraft_answered(tmp_path):
+    for name in ("usual root", "folder without a file of its name", "no engines anywhere", "read, and broken besides"):
+        FOREIGN[name].write(tmp_path / "fleet")
+    FOREIGN["name of our own aircraft"].write(tmp_path / "elsewhere" / "deep")
+    (tmp_path / "fleet" / "link").symlink_to("../elsewhere")
+    found = fleet.found_in(tmp_path / "fleet")
+    assert [Path(path).relative_to(tmp_path).as_posix() for path in found] == [
+        "fleet/plane/a.xml",
+        "fleet/plane/b.xml",
+        "fleet/plane/plane.xml",
+        "fleet/root/aircraft/plane/plane.xml",
+    ]
+    told = dict(fleet.of_others([found[2]]))
+    assert "cannot load 'plane'" in told[found[2]]["reason"]
 
 
 def test_every_stock_aircraft_is_answered_in_the_table():

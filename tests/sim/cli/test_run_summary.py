@@ -73,7 +73,15 @@ def test_a_share_says_what_is_shown():
         "sink_mps: 41 of 59 flights keep it, which shows 58.2 % with 95 % confidence where 95 % are asked; "
         "sink_mps = 3.9 m/s at 5.0 s"  # the largest: 1 + 58 / 20
     )
-    metrics = {**STUDY, "scenario": "s", "flights": 59, "rows": [{}], "outcomes": {"landed": 59}, "checks": [check]}
+    metrics = {
+        **STUDY,
+        "worst": {"flight": 0, "values": {}},
+        "scenario": "s",
+        "flights": 59,
+        "rows": [{}],
+        "outcomes": {"landed": 59},
+        "checks": [check],
+    }
     assert study_summary(metrics, run_again("f")).splitlines()[-1] == said
 
 

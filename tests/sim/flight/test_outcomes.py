@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import pytest
@@ -23,9 +24,9 @@ FLYING = AircraftState(*(0.0 for _ in AircraftState._fields))._replace(airspeed=
 HIGH = FLYING._replace(height=200.0)
 
 
-def touchdown(past, across, sink=0.6, first=MAIN_WHEEL, touched=MAIN_WHEEL):
+def touchdown(past, across, sink=0.6, first=MAIN_WHEEL, touched=MAIN_WHEEL, runway=RUNWAY):
     """The verdict on a straight flight along the runway that touches it at a place, with some part first."""
-    monitor = OutcomeMonitor(Limits(None, RUNWAY), ROUTE)
+    monitor = OutcomeMonitor(Limits(None, runway), ROUTE)
     ahead = math.cos(RUNWAY.heading), math.sin(RUNWAY.heading)
     for down in (0.0, 1.0):
         north, east = RUNWAY.to_local(past, across)
@@ -53,6 +54,16 @@ def touchdown(past, across, sink=0.6, first=MAIN_WHEEL, touched=MAIN_WHEEL):
 )
 def test_landed_is_a_soft_touchdown_in_the_box(past, across, sink, outcome):
     assert touchdown(past, across, sink)[0] == outcome
+
+
+def test_the_box_belongs_to_the_runway_of_the_scenario():
+    narrow = dataclasses.replace(RUNWAY, touchdown_from=100.0, touchdown_to=400.0, touchdown_aside=10.0)
+    assert touchdown(399.0, 9.9, runway=narrow)[0] == "landed"
+    assert "430 m past the threshold, beyond the box of 400 m" in touchdown(430.0, 0.0, runway=narrow)[1]
+    assert "90 m past the threshold, short of the box, 100 m past it" in touchdown(90.0, 0.0, runway=narrow)[1]
+    assert "beside the box of 10 m" in touchdown(300.0, 11.0, runway=narrow)[1]
+    with pytest.raises(ValueError, match="touchdown_from must lie before touchdown_to"):
+        Runway(touchdown_from=900.0)
 
 
 def test_the_reason_says_where_and_behind_each_figure_what_it_is_beyond():

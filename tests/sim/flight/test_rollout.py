@@ -27,7 +27,7 @@ from sim.reporting.text.outcome_sentence import what_happened
 from sim.reporting.text.warnings import warnings
 from sim.scenario.reading import read
 from sim.scenario.tables import Check
-from sim.studies import flight_cache
+from sim.studies.kept import flight_cache
 
 AUTOMATIC = 8.2  # m, 27 ft: how far an automatic roll-out may stray to either side [FAA AC 20-57A, from memory]
 SHORT = {"start.phase": "final", "start.distance_m": 2000.0, "draws": 2}

@@ -61,6 +61,28 @@ def test_each_weather_is_one_line():
     assert wind(turbulence="severe").intensity == pytest.approx(45 * 1852 / 3600)
 
 
+def test_a_wind_along_and_across_the_runway_is_the_same_wind_by_its_components():
+    """On runway 08: 10 m/s from ahead and 10 from the right are 14.1 m/s from 125 deg."""
+    runway = {"heading_deg": 80}
+    both = {"headwind_mps": 10.0, "crosswind_mps": 10.0}
+    found = read({**LINE, "runway": runway, "wind": both})
+    asked = read({**LINE, "runway": runway, "wind": {"from_deg": 125.0, "speed_mps": 10.0 * math.sqrt(2.0)}})
+    assert found.wind.steady == pytest.approx(asked.wind.steady, abs=1e-12)
+    assert found.wind.strength == pytest.approx(asked.wind.strength)
+    assert words(found) == words(asked)
+    assert read(found.tables) == found
+    tail = read({**LINE, "runway": runway, "wind": {"headwind_kt": -10}}).wind
+    assert math.degrees(math.atan2(tail.steady[1], tail.steady[0])) == pytest.approx(80.0)  # it blows along the landing
+
+
+def test_turbulence_by_wind_has_the_mean_wind_at_20_ft():
+    """8 m/s at 10 m: ln(20 / 0.15) / ln(32.8 / 0.15) of it, in feet, by the logarithmic profile."""
+    found = wind(headwind_mps=8.0, shear="logarithmic", turbulence="by_wind")
+    assert found.intensity == pytest.approx(8.0 * math.log(20 / 0.15) / math.log(10 / 0.3048 / 0.15))
+    assert wind(speed_mps=3.0, turbulence="by_wind").intensity == pytest.approx(3.0)
+    assert wind(turbulence="by_wind").intensity == 0.0
+
+
 def test_the_resolved_file_says_everything_and_reads_back_as_the_same_weather():
     table = {"speed_kt": 10, "shear": "power", "exponent": 0.2, "events": {"b": BURST, "g": GUST}}
     scenario = read({**LINE, "wind": table})

@@ -109,6 +109,8 @@ def test_over_flights_each_counts_once():
     assert pooled["overall"]["m"] == figure(of, against)
     assert pooled["overall"]["m"]["ratio"] == pytest.approx(math.sqrt(84.0 / 14.0))
     assert pooled["overall"]["m"]["n"] == 3
+    alone = record(2.0, 1.0)
+    assert contrasts_over_flights(ASKED, [alone]) == [alone["metrics"]["contrasts"]["a/b"]]
     (none,) = contrasts_over_flights(ASKED, [crashed])
     assert (none["of"], none["overall"], none["by_phase"], none["look_ahead"]) == ("a", {}, {}, {})
     lost = record(1.0, 1.0)

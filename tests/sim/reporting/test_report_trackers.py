@@ -300,11 +300,19 @@ def test_a_tracker_without_a_law_may_win(flight):
 
 
 def test_a_winner_s_faults_are_told(flight):
-    faults = {"best": {"anees": 3.0, "anees_low": 2.8, "lost_fraction": 0.25}}
+    faults = {"best": {"anees": 3.0, "anees_low": 2.8, "lost_fraction": 0.02}}
     said = told(flight, {"plain": 30.0, "best": 10.0}, LAWS, **faults)
     assert "too sure of itself (ANEES 3.0)" in said
-    assert "it lost 25.0 % of the draws" in said
+    assert "it lost 2.0 % of the draws" in said
     assert "worse than the raw measurements" in told(flight, {"best": 80.0}, LAWS)
+
+
+def test_a_tracker_that_loses_draws_does_not_win_while_another_holds(flight):
+    lost = {"best": {"lost_fraction": 0.25}}
+    said = told(flight, {"plain": 30.0, "best": 10.0}, LAWS, **lost)
+    assert said.startswith("Of 2 trackers of the same measurements plain was best across track")
+    assert "yet best has 0.33 times the error although it loses 25.0 % of the draws" in said
+    assert told(flight, {"best": 10.0}, LAWS, **lost).startswith("best tracked across track")
 
 
 def test_nobody_wins_where_nothing_was_tracked(flight):

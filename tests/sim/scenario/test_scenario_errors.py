@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.errors import ScenarioError
+from sim.scenario import schema
 from sim.scenario.reading import override, read
 from tests.capture import CAPTURE
 
@@ -20,6 +21,39 @@ def faults(**tables: object) -> str:
     with pytest.raises(ScenarioError) as caught:
         read({**GOOD, **tables})
     return str(caught.value)
+
+
+@pytest.mark.parametrize("content", ["", "\n", "# a remark\n", "\ufeff"])
+def test_a_file_that_says_nothing_is_refused(tmp_path, content):
+    file = tmp_path / "empty.toml"
+    file.write_text(content, encoding="utf-8")
+    with pytest.raises(ScenarioError, match=r"empty\.toml: says nothing; 'shortfinal new FILE\.toml' writes"):
+        read(file)
+
+
+def test_names_that_mean_something_already_are_refused():
+    radar = {"radar": {"kind": "surveillance_radar"}}
+    said = faults(sensors=radar, trackers={"truth": {"kind": "kalman"}})
+    assert said == "scenario: [trackers.truth]: 'truth' is the motion itself, as [autopilot] navigation has it; " + (
+        "choose another name"
+    )
+
+
+def test_files_that_differ_in_numbers_share_their_model():
+    """Making one takes a hundred times as long as reading by it."""
+
+    def tables(number):
+        radar = {"radar": {"kind": "surveillance_radar", "position_sigma_m": 50.0 + number}}
+        return {**GOOD, "sensors": radar, "trackers": {"plain": {"kind": "kalman"}}, "wind": {"speed_mps": number}}
+
+    read(tables(0))
+    makers = (schema.file_model, schema._table_model, schema._wind_model, schema._tracker_model)
+    before = [maker.cache_info().misses for maker in makers]
+    for number in range(1, 20):
+        read(tables(number))
+    assert [maker.cache_info().misses for maker in makers] == before
+    read({**tables(0), "trackers": {"other": {"kind": "kalman"}}})
+    assert schema.file_model.cache_info().misses == before[0] + 1
 
 
 def test_a_misspelt_key_gets_a_suggestion():
@@ -58,7 +92,7 @@ def test_numbers_must_be_finite(value):
         ("aircraft", {"factors": {"lift_slope": 0.0}}, "factors.lift_slope must be a finite number above 0"),
         ("start", {"height_m": -5.0}, "a flight starts above the ground"),
         ("start", {"leg": 0, "phase": "base"}, "say 'phase' (pattern) or 'leg' (legs), not both"),
-        ("wind", {"turbulence": "strong"}, "'none', 'light', 'moderate' or 'severe'"),
+        ("wind", {"turbulence": "strong"}, "'none', 'light', 'moderate', 'severe' or 'by_wind'"),
         ("wind", {"turbulence": "light", "w20_kt": 20.0}, "say 'turbulence' or 'w20_kt', not both"),
         ("autopilot", {"bank_limit_deg": 90.0}, "bank_limit must be above 0 and at most 60 degrees"),
         ("autopilot", {"kind": "lateral_navigatoin"}, "did you mean 'lateral_navigation'?"),

@@ -12,10 +12,11 @@ import pytest
 from sim import experiment
 from sim.flight.preparation import prepare
 from sim.scenario.reading import read
-from sim.studies import flight_cache
 from sim.studies import study as studies
 from sim.studies.job import Job, fly
+from sim.studies.kept import flight_cache
 from tests.capture import CAPTURE
+from tests.hostile.foreign import FOREIGN
 
 TABLES = {
     **CAPTURE,
@@ -158,15 +159,22 @@ def test_what_decides_a_flight_decides_its_name(monkeypatch):
     assert len({name, *others}) == 1 + len(others)
 
 
-def test_a_changed_model_file_is_another_aircraft(tmp_path):
-    home = tmp_path / "glider"
-    home.mkdir()
-    for name in ("glider.xml", "glider.toml"):
-        (home / name).write_text("as it was")
-    before = flight_cache._model(str(home))
+def test_a_changed_file_of_a_model_is_another_aircraft(tmp_path):
+    home = FOREIGN["root with systems"].write(tmp_path)
+    found = [flight_cache._model(str(home))]
+    changes = {
+        home / "plane.toml": 'title = "data beside it"',
+        home / "plane.xml": (home / "plane.xml").read_text().replace(">20000<", ">20001<"),
+        tmp_path / "root" / "systems" / "my_system.xml": '<system name="other"/>',
+    }
+    for path, text in changes.items():
+        flight_cache._model.cache_clear()
+        path.write_text(text)
+        found.append(flight_cache._model(str(home)))
     flight_cache._model.cache_clear()
-    (home / "glider.toml").write_text("as it is")
-    assert flight_cache._model(str(home)) != before
+    (home / "note.xml").write_text("<of_no_model/>")
+    assert flight_cache._model(str(home)) == found[-1]
+    assert len(set(found)) == len(found)
 
 
 def test_a_flight_comes_back_as_it_was_left(tmp_path):

@@ -8,6 +8,7 @@ import re
 import pytest
 
 from sim.metrics.checks import evaluate_checks
+from sim.reporting.text.broken_checks import run_again
 from sim.scenario.reading import read
 from sim.studies.figures import study_charts
 from sim.studies.metrics import study_metrics
@@ -15,6 +16,7 @@ from sim.studies.page import page, shown_metrics
 from tests.capture import CAPTURE
 
 LINE = {**CAPTURE, "name": "line"}
+AGAIN = run_again("scenario.toml")
 
 
 def made(axes, outcome=lambda values: "completed", samples=1, checks=(), **study):
@@ -37,7 +39,7 @@ def made(axes, outcome=lambda values: "completed", samples=1, checks=(), **study
     ]
     for record in records:
         record["checks"] = evaluate_checks(scenario.checks, None, scenario.runway, record["metrics"])
-    figures = study_metrics(scenario.study.varied, records, scenario.checks)
+    figures = study_metrics(scenario.study.varied, records, scenario.checks, AGAIN)
     metrics = {"scenario": "line", "seed": 1, "flights": len(records), "versions": {"python": "3"}, **figures}
     return scenario, metrics, records
 
@@ -79,7 +81,7 @@ def test_a_map_has_a_colour_for_each_cell():
 def test_the_page_is_whole_and_asks_for_nothing():
     checks = [{"metric": "overshoot_m", "max": 3.0, "source": "<b>test</b>"}]
     scenario, metrics, records = made(SPEEDS, checks=checks)
-    text = page(scenario, metrics, records)
+    text = page(scenario, metrics, records, AGAIN)
     assert not re.search(r'(src|href)="(?!data:)', text)
     assert "<b>test</b>" not in text
     assert "Broken: overshoot_m: 4 of 10 flights keep it; overshoot_m = 9 m, limit 3 m" in text
@@ -87,4 +89,4 @@ def test_the_page_is_whole_and_asks_for_nothing():
     assert "not for operational use" in text
     cells = re.findall(r"<tr><td>(\d)</td><td>1</td><td>1 completed</td><td>(\d)</td></tr>", text)
     assert cells == [(str(i), str(i)) for i in range(10)]
-    assert text == page(scenario, metrics, records)
+    assert text == page(scenario, metrics, records, AGAIN)

@@ -200,7 +200,7 @@ def test_a_sample_flies_with_the_gains_of_its_cell(tmp_path):
 
 def test_a_sample_that_cannot_fly_is_one_flight_lost(tmp_path):
     metrics = fly(tmp_path, line({"start.height_m": {"normal": [1.0, 20.0]}}, 8, flights=1))
-    drawn = samples([Sampled("start.height_m", "normal", 1.0, 20.0)], 8, 1)
+    drawn = samples([Sampled("start.height_m", "normal", (1.0, 20.0))], 8, 1)
     below = sum(row["start.height_m"] <= 0 for row in drawn)
     assert 0 < below < 8
     assert metrics["outcomes"]["refused"] == below
@@ -286,7 +286,7 @@ def test_another_version_goes_on_only_when_told(tmp_path):
 def test_a_broken_identity_is_no_identity(tmp_path, found):
     fly(tmp_path, line({"wind.speed_mps": [0.0]}, until_s=1.0))
     (tmp_path / "cache/identity.json").write_text(found)
-    with pytest.raises(OutputError, match=r"is no study folder: it has no cache/identity\.json"):
+    with pytest.raises(OutputError, match=r"is no study folder: its cache/identity\.json is damaged"):
         studies.resume(tmp_path, Inline())
 
 

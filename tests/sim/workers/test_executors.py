@@ -38,7 +38,7 @@ def ended(executor):
 
 
 def test_a_lost_job_costs_nothing_but_itself():
-    executor = LocalExecutor(workers=2, time_limit=4.0, memory_limit=2 << 30)
+    executor = LocalExecutor(workers=2, time_limit=0.4, memory_limit=2 << 30)
     jobs = {
         0: (operator.add, 1, 2),
         1: (os.abort,),
@@ -46,14 +46,16 @@ def test_a_lost_job_costs_nothing_but_itself():
         3: (bytearray, 8 << 30),
         4: (math.sqrt, -1.0),
         5: (operator.add, 3, 4),
+        6: (sum, range(10**12)),
     }
     for number, (function, *arguments) in jobs.items():
         executor.submit(number, function, *arguments)
     found = ended(executor)
     assert (found[0], found[5]) == (3, 7)
     assert found[1] == Lost(f"its worker process died {ATTEMPTS} times")
-    assert found[2] == Lost("no answer for 4 s")
+    assert found[2] == Lost("no answer for 4 s, most of which it did not compute")
     assert found[3] == Lost("out of memory (2048 MB for each worker)")
+    assert found[6] == Lost("no answer within 0.4 s of processor time")
     assert isinstance(found[4], Lost)
     assert "ValueError" in found[4].reason
 

@@ -1,7 +1,8 @@
 """Flights of a study kept in its folder, so that cells that differ in sensors, trackers or checks share them.
 
 The file of a flight is named by a hash of all that decides it and contains its own digest: a damaged or foreign file
-counts as absent. The cache is optional: on a full disk flights are not kept, and nothing else changes.
+counts as absent, and so does one whose record is none that such a flight can leave. The cache is optional: on a full
+disk flights are not kept, and nothing else changes.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import functools
 import hashlib
 import io
 import json
+import math
 import os
 import shutil
 from collections.abc import Iterable
@@ -20,9 +22,10 @@ from typing import Any
 
 import numpy as np
 
-from aircraft.model_files import folder as model_folder
+from aircraft.model_files import digest, is_file, main_file, read
 from aircraft.state import AircraftState, Command
 from aircraft.stock import STOCK_TABLE
+from sim.files import DAMAGED, read_bytes
 from sim.flight.preparation import Prepared
 from sim.flight.record import Event, Flight
 from sim.versions import versions
@@ -32,7 +35,8 @@ WITHOUT = ("name", "flights", "draws", "sensors", "trackers", "contrasts", "chec
 LARGEST_CACHE = 1 << 30  # bytes in one study folder
 RESERVE = 1 << 30  # bytes of the disk that are left to others
 ENDING = ".flight"
-CODE = Path(__file__).resolve().parents[2]
+TIME = AircraftState._fields.index("time")
+CODE = Path(__file__).resolve().parents[3]
 PACKAGES = ("aircraft", "autopilot", "tracking", "sim")
 
 
@@ -61,11 +65,11 @@ def _code() -> str:
 
 @functools.lru_cache(maxsize=4)
 def _model(name: str) -> str:
-    """Files of a model and the table of stock aircraft; the models of JSBSim are identified by its version."""
+    """A model with all files that it refers to, its data, and the table of stock aircraft."""
     if name == "point_mass":
         return ""
-    home = model_folder(name)
-    return _digest([*(path for suffix in ("xml", "toml") for path in home.rglob(f"*.{suffix}")), STOCK_TABLE])
+    data = main_file(name).with_suffix(".toml")
+    return digest(read(name)) + _digest(path for path in (data, STOCK_TABLE) if is_file(path))
 
 
 def _digest(paths: Iterable[Path]) -> str:
@@ -79,7 +83,7 @@ def load(cache: Path, name: str, prepared: Prepared) -> Flight | None:
     """The kept flight of this name; None where there is none, or the file is not a whole record of it."""
     path = cache / f"{name}{ENDING}"
     try:
-        digest, payload = _parted(path.read_bytes())
+        digest, payload = _parted(read_bytes(path))
         if hashlib.sha256(payload).digest() != digest:
             raise ValueError("damaged")
         with np.load(io.BytesIO(payload)) as arrays:
@@ -90,10 +94,10 @@ def load(cache: Path, name: str, prepared: Prepared) -> Flight | None:
             if told["rollout"] is not None:
                 rollout = _unpacked(prepared, arrays, told["rollout"], "rollout_")
                 found = dataclasses.replace(found, rollout=rollout)
-        os.utime(path)  # still of use
+        os.utime(path, follow_symlinks=False)  # still of use
     except FileNotFoundError:
         return None
-    except (OSError, ValueError, KeyError, TypeError):
+    except DAMAGED:
         with contextlib.suppress(OSError):
             path.unlink()
         return None
@@ -117,7 +121,8 @@ def store(cache: Path, name: str, flight: Flight) -> None:
     try:
         if not _has_room(cache, len(payload)):
             return
-        partial.write_bytes(hashlib.sha256(payload).digest() + payload)
+        with partial.open("xb") as file:  # follows no link that somebody puts there
+            file.write(hashlib.sha256(payload).digest() + payload)
         os.replace(partial, cache / f"{name}{ENDING}")
     except OSError:
         with contextlib.suppress(OSError):
@@ -140,19 +145,38 @@ def _arrays(flight: Flight, prefix: str) -> dict[str, Any]:
 
 
 def _unpacked(prepared: Prepared, arrays: Any, told: dict[str, Any], prefix: str) -> Flight:
-    """The record of these words and numbers."""
+    """The record of these words and numbers; raises ``ValueError`` for what no flight leaves."""
+    state, command, leg, phase = (arrays[f"{prefix}{name}"] for name in ("state", "command", "leg", "phase"))
+    phases, events = tuple(told["phases"]), tuple(Event(*event) for event in told["events"])
+    count = len(state)
+    if (state.shape, command.shape) != ((count, len(AircraftState._fields)), (count, len(Command._fields))):
+        raise ValueError("signals are missing")
+    if not (leg.shape == phase.shape == (count,) and leg.dtype.kind == phase.dtype.kind == "i"):
+        raise ValueError("a leg or a phase is missing")
+    if not (count and _within(leg, len(prepared.route.legs)) and _within(phase, len(phases))):
+        raise ValueError("a leg or a phase that there is not")
+    if not (np.isfinite(state).all() and np.isfinite(command).all() and (np.diff(state[:, TIME]) > 0).all()):
+        raise ValueError("numbers that no flight has")
+    words = (*phases, *(word for event in events for word in event[1:]), told["outcome"], told["reason"])
+    if not all(isinstance(word, str) for word in words) or not all(math.isfinite(event.time) for event in events):
+        raise ValueError("words that no flight has")
     return Flight(
         prepared.route,
-        AircraftState(*arrays[f"{prefix}state"].T),
-        Command(*arrays[f"{prefix}command"].T),
-        arrays[f"{prefix}leg"],
-        arrays[f"{prefix}phase"],
-        tuple(told["phases"]),
-        tuple(Event(*event) for event in told["events"]),
+        AircraftState(*state.T),
+        Command(*command.T),
+        leg,
+        phase,
+        phases,
+        events,
         told["outcome"],
         told["reason"],
         prepared.gate_height,
     )
+
+
+def _within(index: np.ndarray, count: int) -> bool:
+    """Whether every index is one of so many."""
+    return bool(index.min() >= 0 and index.max() < count)
 
 
 def _as_recorded(columns: Any) -> np.ndarray:
@@ -169,5 +193,5 @@ def prune(cache: Path, since: float) -> None:
     """Delete files not used since ``since`` (s of the file system), and files that a crash left half written."""
     for path in cache.iterdir() if cache.is_dir() else ():
         with contextlib.suppress(OSError):
-            if path.suffix == ".partial" or path.stat().st_mtime < since:
+            if path.suffix == ".partial" or path.lstat().st_mtime < since:
                 path.unlink()
