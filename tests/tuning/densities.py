@@ -219,15 +219,16 @@ HEAD = """\
 Written by `make densities`. A tracker is compared with others at its best, and every kind is searched alike. What is
 chosen here is the default of the kind.
 
-- **Flights**: `shortfinal run an26_pattern` flown to the {sides}, and with one change each: {changes}. One line
-  (`vasylyev2003_jsbsim`) captured from 5 km, where the limits of the law act, and from 500 m, where they do not.
-- **Noise**: seeds {seeds}, {draws} draws each. In turbulence each seed is a flight of its own. The
-  rows of [acceptance.md](acceptance.md) are judged on others.
+- **Flights**: `shortfinal run an26_pattern` flown to the left and to the right, and with one change each: {changes}.
+  One line (`vasylyev2003_jsbsim`) captured from 5 km, where the limits of the law act, and from 500 m, where they do
+  not. One aircraft flies them all, the An-26.
+- **Noise**: seeds {seeds}, {draws} draws each. In turbulence each seed is a flight of its own. The rows of
+  [acceptance.md](acceptance.md) are judged on other seeds.
 - **Criterion**: RMSE over all epochs with a plot, all draws and seeds, of the position, on the line of the cross-track
   deviation; the geometric mean over the flights. A lost draw counts by its error, none is left out.
 - **Choice**: the least criterion; of those within {flat:.0f} % of it the one whose ANEES is nearest to 1, by the mean
   distance of its logarithm flight by flight: doubt that is too small here does not make up for too much there. A grid
-  ends where the criterion has risen on both sides of the choice.
+  is widened until no choice lies at its edge.
 - **Beside it**: the RMSE of the prediction over 60 s, the factor by which the ANEES is off 1 (to either side), the
   share of lost draws.
 
@@ -252,7 +253,6 @@ def page(found: dict[str, Found]) -> str:
     """docs/densities.md."""
     changes = ", ".join(case.name for case in CASES[2:5])
     head = HEAD.format(
-        sides="left and to the right",
         changes=changes,
         seeds=", ".join(map(str, SEEDS)),
         draws=DRAWS,

@@ -26,7 +26,7 @@ class Gated:
     measurement: Annotated[MeasurementModel, "given"]
     motion: Annotated[Motion | None, "given"] = None
     gate_probability: float = 0.9973  # of passing when the model is right: three standard deviations of one channel
-    acceleration_density: Annotated[float, "m2/s3"] = 0.3
+    acceleration_density: Annotated[float, "m2/s3"] = 30.0  # docs/densities.md
 
     def __post_init__(self) -> None:
         _ = self._motion  # a bad parameter is told when it is given

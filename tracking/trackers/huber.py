@@ -30,7 +30,7 @@ class Huber:
     measurement: Annotated[MeasurementModel, "given"]
     motion: Annotated[Motion | None, "given"] = None
     tuning: float = 1.345  # standard deviations; 95 % efficient on Gaussian noise
-    acceleration_density: Annotated[float, "m2/s3"] = 0.3
+    acceleration_density: Annotated[float, "m2/s3"] = 10.0  # docs/densities.md
 
     def __post_init__(self) -> None:
         _ = self._motion  # a bad parameter is told when it is given

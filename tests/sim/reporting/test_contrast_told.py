@@ -372,7 +372,7 @@ def test_a_result_says_it_itself():
         "name": "capture", "draws": 8, "until_s": 90, "aircraft": {"model": "point_mass"},
         "start": {"leg": 0, "cross_track_m": 5000}, "route": {"kind": "legs", "legs": legs},
         "sensors": {"radar": {"kind": "surveillance_radar", "period_s": 4}},
-        "trackers": {FEEDBACK: {"kind": FEEDBACK}, CONTROL: {"kind": CONTROL}},
+        "trackers": {name: {"kind": name, "acceleration_density_m2ps3": 0.1} for name in (FEEDBACK, CONTROL)},
         "contrasts": [{"of": FEEDBACK, "against": CONTROL}],
     }  # fmt: skip
     ahead, whole, lost = sim.run(read(tables)).contrasted
