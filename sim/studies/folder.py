@@ -116,7 +116,7 @@ def read_scenario(folder: Path) -> bytes:
 
 def stamp(folder: Path) -> str:
     """What the lines of a folder's log must belong to."""
-    return hashlib.sha256(json.dumps(identity_of(folder), sort_keys=True).encode()).hexdigest()
+    return hashlib.sha256(json.dumps(_deciding(identity_of(folder)), sort_keys=True).encode()).hexdigest()
 
 
 def identity_of(folder: Path) -> dict[str, Any]:

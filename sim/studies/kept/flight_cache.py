@@ -155,7 +155,8 @@ def _unpacked(prepared: Prepared, arrays: Any, told: dict[str, Any], prefix: str
         raise ValueError("a leg or a phase is missing")
     if not (count and _within(leg, len(prepared.route.legs)) and _within(phase, len(phases))):
         raise ValueError("a leg or a phase that there is not")
-    if not (np.isfinite(state).all() and np.isfinite(command).all() and (np.diff(state[:, TIME]) > 0).all()):
+    known = np.isfinite(state).all() and not np.isinf(command).any()  # NaN: a height or speed that is not held
+    if not (known and (np.diff(state[:, TIME]) > 0).all()):
         raise ValueError("numbers that no flight has")
     words = (*phases, *(word for event in events for word in event[1:]), told["outcome"], told["reason"])
     if not all(isinstance(word, str) for word in words) or not all(math.isfinite(event.time) for event in events):

@@ -148,7 +148,7 @@ def test_a_study_has_a_row_for_each_flight(tmp_path):
 
     def written(cell, speed, **metrics):
         place = {"cell": cell, "sample": 0, "flight": 0, "values": {"wind.speed_mps": speed}}
-        return line({**place, "metrics": metrics, "checks": []}, stamp(tmp_path))
+        return line({**place, "metrics": metrics, "checks": [], "again": ""}, stamp(tmp_path))
 
     landed = written(1, 5.0, outcome="landed", reason="", touchdown={"sink_mps": 0.7}, overshoot_m=3.0)
     crashed = written(0, 0.0, outcome="crashed", reason="no worker")

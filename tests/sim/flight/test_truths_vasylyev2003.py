@@ -32,7 +32,7 @@ def errors(request):
     start = np.array([flight.state.east[0], flight.state.velocity_east[0]])
     prior = Gaussian(start + np.sqrt(np.diag(PRIOR))[:, None] * generator.standard_normal(start.shape), PRIOR)
     sensor, line = LinearMeasurement(((1.0, 0.0),)), Line(ground_speed=100.0)
-    trackers = [kind(NOMINAL, line, sensor) for kind in (LinearFeedback, SaturatedControl)]
+    trackers = [kind(NOMINAL, line, sensor, acceleration_density=0.1) for kind in (LinearFeedback, SaturatedControl)]
     return [
         np.sqrt(((track(tracker, measurements, prior, start=0.0).mean[:, 0] - truth) ** 2).mean(axis=1))
         for tracker in trackers

@@ -16,6 +16,7 @@ from sim.cli.explain import explain
 from sim.errors import ScenarioError
 from sim.flight.preparation import prepare
 from sim.metrics.figures import bank_cycle
+from sim.reporting.text.broken_checks import run_again
 from sim.scenario.axes import cells
 from sim.scenario.reading import read
 from sim.studies import theory as study_theory
@@ -115,8 +116,8 @@ def test_the_cycle_that_theory_predicts_is_flown():
     result = sim.run("limit_cycle")
     (check,) = result.metrics["checks"]
     assert check["passed"]
-    said = study_theory.gain_figures(result.scenario, result.scenario.autopilot.frequency_share, 15.0)
-    for name, value in said.items():
+    cell = {"autopilot.frequency_share": result.scenario.autopilot.frequency_share, "autopilot.bank_limit_deg": 15.0}
+    for name, (value,) in study_theory.gain_figures(result.scenario, [cell]).items():
         assert value == pytest.approx(result.metrics["flight"][name], rel=0.1)
 
 
@@ -127,11 +128,11 @@ def test_theory_of_the_gain_map_lies_between_its_limits():
     assert margin.x[1] == pytest.approx(linear_onset(loop, math.radians(8.0)) / loop.bandwidth)
     assert cycles.x[0] == pytest.approx(margin.x[0], rel=1e-3)  # 2 deg are not worth a roll-rate limit of 5 deg/s
     assert margin.x[1] > cycles.x[1] > cycles.x[2]
-    none = {"bank_cycle_deg": None, "bank_cycle_period_s": None}
-    assert study_theory.gain_figures(scenario, 0.8 * cycles.x[1], 8.0) == none
-    assert study_theory.gain_figures(scenario, 1.05 * cycles.x[1], 8.0)["bank_cycle_deg"] == pytest.approx(
-        8.0, rel=0.15
-    )
+    shares = (0.8 * cycles.x[1], 1.05 * cycles.x[1])
+    cells_about_it = [{"autopilot.frequency_share": share, "autopilot.bank_limit_deg": 8.0} for share in shares]
+    said = study_theory.gain_figures(scenario, cells_about_it)
+    assert [column[0] for column in said.values()] == [None, None]
+    assert said["bank_cycle_deg"][1] == pytest.approx(8.0, rel=0.15)
 
 
 def test_a_point_mass_has_no_route_loop():
@@ -152,6 +153,7 @@ def test_explain_tells_of_the_cycle():
 
 def test_the_page_of_the_gain_map_has_theory_beside_every_flight():
     """Made flights: what is looked at is the page, its lines of theory and its columns."""
+    again = run_again("gain_map")
     axes = {"autopilot.frequency_share": [0.1, 0.3, 0.45], "autopilot.bank_limit_deg": [4.0, 8.0]}
     scenario = read("gain_map", {"study": {"theory": "gain", "axes": axes, "show": ["bank_cycle_deg"]}})
     records = [
@@ -166,12 +168,13 @@ def test_the_page_of_the_gain_map_has_theory_beside_every_flight():
         for i, values in enumerate(cells(scenario.study.varied))
     ]
     metrics = {"scenario": "gain_map", "seed": 1, "flights": 6, "versions": {}}
-    metrics |= study_metrics(scenario.study.varied, records, ())
-    text = page(scenario, metrics, records)
+    metrics |= study_metrics(scenario.study.varied, records, (), again)
+    metrics["predicted"] = study_theory.predicted_figures(scenario, metrics["rows"])
+    text = page(scenario, metrics, records, again)
     for told in ("bank_cycle_deg by theory", "bank_cycle_period_s by theory", "theory and flights"):
         assert told in text
     drawn = [base64.b64decode(image).decode() for image in re.findall(r"base64,([A-Za-z0-9+/=]+)", text)]
     assert any("theory: linear margin" in image and "describing functions, from 300 m" in image for image in drawn)
-    columns = study_theory.predicted_figures(scenario, metrics["rows"])
+    columns = metrics["predicted"]
     assert columns["bank_cycle_deg"][:2] == [None, None]  # no cycle at a tenth of the bandwidth
     assert columns["bank_cycle_deg"][-1] == pytest.approx(8.0, rel=0.2)

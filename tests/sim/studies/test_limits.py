@@ -178,8 +178,8 @@ def test_a_study_keeps_the_order_of_its_axes_in_its_file():
     """Lists and grids mixed: which is across, which is up, and which is a panel follows from the order."""
     axes = {OFFSET: {"grid": [300, 900, 3]}, BANK: [4.0, 8.0], CROSS_TRACK: {"grid": [450, 900, 2]}}
     text = dumps(read(tables(study={"axes": axes})).tables)
-    assert [one.address for one in read_text(text, BUNDLED).study.varied] == [*axes]
-    assert dumps(read_text(text, BUNDLED).tables) == text
+    assert [one.address for one in read_text(text.encode(), BUNDLED).study.varied] == [*axes]
+    assert dumps(read_text(text.encode(), BUNDLED).tables) == text
 
 
 PAIR = {"of": "linear_feedback", "against": "saturated_control"}
