@@ -57,7 +57,7 @@ def test_two_equal_trackers(row):
     for name in ("linear_feedback", "saturated_control", "intent_imm"):
         chosen |= {
             name: tables[name],
-            f"{name}_told_wrong": tables[f"{name}_told_wrong"],
+            f"{name}_mismatched": {**tables[name], "law": {"k1_factor": 1.3, "cross_track_limit_factor": 1.3}},
             f"{name}_again": tables[name],
         }
         pairs.append({"of": name, "against": f"{name}_again"})
