@@ -7,6 +7,7 @@ nothing of tails. Both take the flights for independent, as draws are that are n
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -92,7 +93,7 @@ def answer(metrics: dict[str, Any]) -> str:
     below = 1.0 - share_low(flights - broken, flights, CONFIDENCE)
     sentence = f"{broken} of {flights} flights beyond a limit: "
     sentence += f"{percent(broken / flights)} %, " if broken else ""
-    sentence += f"below {percent(below)} % with {100 * CONFIDENCE:g} % confidence"
+    sentence += f"below {percent_above(below)} % with {100 * CONFIDENCE:g} % confidence"
     most = sorted((one for one in metrics["exceedances"] if one["beyond"]), key=lambda one: -one["beyond"])
     which = ", ".join(f"{one['name']} ({one['beyond']})" for one in most)
     return f"{sentence}; broken: {which}" if which else sentence
@@ -101,6 +102,14 @@ def answer(metrics: dict[str, Any]) -> str:
 def percent(probability: float) -> str:
     """A probability as percent, with two figures."""
     return f"{100 * probability:.2g}"
+
+
+def percent_above(bound: float) -> str:
+    """An upper bound as percent, with two figures, never rounded down: it would say more than was shown."""
+    if not bound > 0.0:
+        return percent(bound)
+    unit = 10.0 ** (math.floor(math.log10(100 * bound)) - 1)
+    return f"{unit * math.ceil(100 * bound / unit - 1e-9):.2g}"
 
 
 def distribution(name: str, records: Sequence[dict[str, Any]], checks: Sequence[Check]) -> Distribution:

@@ -87,4 +87,6 @@ def test_the_answer_counts_flights_once_and_names_what_they_broke():
     metrics = {"flights": 100, "any_beyond": any_beyond(judged), "exceedances": [found]}
     assert answer(metrics) == "3 of 100 flights beyond a limit: 3 %, below 7.6 % with 95 % confidence; broken: sink (3)"
     none = {"flights": 1000, "any_beyond": 0, "exceedances": []}
+    five = {**metrics, "any_beyond": 5, "flights": 1000, "exceedances": []}
+    assert "0.5 %, below 1.1 % with" in answer(five)  # 1.048 %, which is not below 1 %
     assert answer(none) == "0 of 1000 flights beyond a limit: below 0.3 % with 95 % confidence"  # 1 - 0.05^(1/1000)
