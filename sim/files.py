@@ -172,20 +172,24 @@ def _locked(handle: int) -> bool:
 
 @contextlib.contextmanager
 def unstopped() -> Iterator[None]:
-    """Within, signals that stop the process wait: what is begun is done whole. Only the main thread gets signals."""
+    """Within, signals that stop the process wait, also those that nobody handles: what is begun is done whole.
+
+    Only the main thread gets signals.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     came: list[int] = []
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     for number, handler in before.items():
-        if callable(handler):
+        if handler not in (signal.SIG_IGN, None):  # None: set by other than Python, which could not set it back
             signal.signal(number, lambda number, frame: came.append(number))
     try:
         yield
     finally:
         for number, handler in before.items():
-            signal.signal(number, handler)
+            if handler is not None:
+                signal.signal(number, handler)
         for first in came[:1]:
             signal.raise_signal(first)
 

@@ -21,7 +21,7 @@ from sim.errors import printable
 
 GOOD, CHECK_FAILED, BAD_INPUT, FLIGHTS_CRASHED, UNFORESEEN = 0, 1, 2, 3, 4
 STOPPED = 128  # and the number of the signal, as shells have it
-STOPPING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+STOPPING = (signal.SIGTERM, signal.SIGHUP)
 
 
 class Interrupted(Exception):
@@ -105,11 +105,13 @@ def written(command: Callable[[], Any]) -> Any:
     except (BrokenPipeError, ReaderGone):
         _drop_output()
         return STOPPED + signal.SIGPIPE
-    except OSError as error:
-        if error.filename is not None:  # of a file that has a name
-            raise
-        _drop_output()
-        raise Unwritable(f"what it has to say cannot be written: {error.strerror}") from None
+    except OSError:
+        try:  # whether it was standard output, or something else that failed
+            print(flush=True)
+        except OSError as error:
+            _drop_output()
+            raise Unwritable(f"what it has to say cannot be written: {error.strerror}") from None
+        raise
 
 
 def _drop_output() -> None:

@@ -25,9 +25,7 @@ from sim.workers.partners import LOOK, Watch
 ATTEMPTS = 3  # a flight whose worker aborts as often is at fault itself
 KILLS = 30  # a worker that is killed from outside is not its flight's fault, unless it happens this often
 FLIGHT_TIME_LIMIT = 600.0  # s of processor time; the longest flight of 1800 s takes a small part of it
-CLOCK_FACTOR = (
-    10.0  # times as long on the clock: a busy machine is not the model's fault, but what waits has an end too
-)
+CLOCK_FACTOR = 10.0  # times as long on the clock: a busy machine is not the model's fault, but what waits must end
 MEMORY_LIMIT = 4 << 30  # bytes of address space of one worker
 LEAST_MEMORY = 600 << 20  # in which flights with a few trackers fit; measured: 500 MB are enough for the bundled ones
 

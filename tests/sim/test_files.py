@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -85,3 +88,24 @@ def test_a_folder_that_another_kind_has_just_claimed_is_refused(tmp_path, monkey
     monkeypatch.setattr(files, "refuse_foreign", slow)
     with pytest.raises(OutputError, match="holds a study, not a run"):
         files.claim(folder, "run")
+
+
+def test_a_signal_that_nobody_handles_waits_too(tmp_path):
+    """Where the folder is written from somebody's own program, SIGTERM ends it, but only after the files are whole."""
+    program = (
+        "import os, pathlib, signal; from sim import files\n"
+        f"folder, replace = pathlib.Path({str(tmp_path / 'out')!r}), os.replace\n"
+        "def interrupted(source, target):\n"
+        "    if target.name == 'b':\n"
+        "        os.kill(os.getpid(), signal.SIGTERM)\n"
+        "    replace(source, target)\n"
+        "os.replace = interrupted\n"
+        "files.claim(folder, 'run')\n"
+        "with files.staged(folder) as place:\n"
+        "    for name in ('a', 'b'):\n"
+        "        (place / name).write_text('whole', encoding='utf-8')\n"
+    )
+    home = Path(__file__).parents[2]
+    done = subprocess.run([sys.executable, "-c", program], cwd=home, check=False)
+    assert done.returncode == -signal.SIGTERM
+    assert contents(tmp_path / "out") == {"whole"}

@@ -23,17 +23,9 @@ from typing import NamedTuple
 import numpy as np
 
 from tests.capture import capture
-from tests.soak.soak import COMPARED, finished
+from tests.soak.soak import COMPARED, TABLES, finished
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLES = """
-[wind]
-turbulence = "moderate"
-[sensors.radar]
-kind = "surveillance_radar"
-[trackers.plain]
-kind = "kalman"
-"""
 AXES = """
 [study.axes]
 "sensors.radar.position_sigma_m" = [50, 100]

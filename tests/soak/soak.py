@@ -29,11 +29,13 @@ turbulence = "moderate"
 kind = "surveillance_radar"
 [trackers.plain]
 kind = "kalman"
+"""
+AXES = """
 [study.axes]
 "sensors.radar.position_sigma_m" = [50, 100]
 "wind.speed_mps" = [0, 6, 12]
 """
-SCENARIO = capture(TABLES, name="soak", until_s=60, flights=50, draws=5, to_m=40000, cross_track_m=1000)
+SCENARIO = capture(TABLES, AXES, name="soak", until_s=60, flights=50, draws=5, to_m=40000, cross_track_m=1000)
 SAME = "the same bytes"
 COMPARED = ("metrics.json", "flights.jsonl", "scenario.toml", "report.html")
 

@@ -111,3 +111,16 @@ def test_text_is_utf_8_whatever_the_locale(tmp_path):
         assert (process.returncode, error) == (0, "")
         assert "\\u043a\\u0440" in told
     assert words in (tmp_path / "out/short/scenario.toml").read_text(encoding="utf-8")
+
+
+def test_a_fault_that_is_not_about_the_output_is_not_told_as_one(monkeypatch, capsys, tmp_path):
+    def failing():
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(sys, "argv", ["shortfinal", "list"])
+    monkeypatch.setattr("sim.cli.listing.scenario_lines", failing)
+    with pytest.raises(SystemExit) as ended:
+        commands.main()
+    assert ended.value.code == 4
+    assert "a fault of the program, not of your input: OSError" in capsys.readouterr().err
