@@ -52,7 +52,7 @@ Data
     - ``events`` - (time s, name, detail); ``outcome`` - landed, go_around, completed, ground, orbit, diverged, envelope
       or time_limit; ``reason``, a sentence; ``gate_height`` m of the stabilised-approach gate, None = no landing
     - ``rollout`` - from the landing to the stop, a `Flight` too (outcome stopped, excursion, time_limit or diverged),
-      or None; ``whole`` - both as one record
+      or None; ``whole`` - both as one record; ``utc`` s since 1970 at time 0, or None
 - `AircraftState` - one instant of motion, or a record of arrays (aircraft.state)
     - ``time`` s; ``north``, ``east``, ``height`` m; ``velocity_north``, ``velocity_east``, ``velocity_up`` m/s
     - ``bank``, ``pitch``, ``heading`` rad; ``roll_rate``, ``pitch_rate``, ``yaw_rate`` rad/s, body axes

@@ -38,6 +38,7 @@ class Flight:
     reason: str
     gate_height: float | None = None  # m; at and below, the approach must be stabilised; None = no gate was flown
     rollout: Flight | None = None  # from the landing to the stop; None = there was none
+    utc: float | None = None  # s since 1970 at its time 0; None = it was flown at no date
 
     @property
     def whole(self) -> Flight:

@@ -1,0 +1,4 @@
+"""Formats of others, as plain arrays, in and out.
+
+``track_record`` is a recorded track as it lies in files.
+"""
