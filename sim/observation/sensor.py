@@ -133,7 +133,8 @@ class Sensor(Protocol):
         """State before the first epoch, which is one period after ``time`` (s).
 
         Every random number comes from ``streams``; row k of a stream belongs to epoch k, whether it is used or not, so
-        that any steps, in the loop or over a record, see the same noise.
+        that any steps, in the loop or over a record, see the same noise. A state may tell in a field ``epoch`` when its
+        next epoch is, s: over a record it is not stepped through the time before.
         """
         ...
 
