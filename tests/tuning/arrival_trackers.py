@@ -178,7 +178,7 @@ def score(seen: Scene, factory: Factory, law: Any = ASSUMED, route: Any = None, 
 
 
 def _mean(values: Any) -> Any:
-    """(n,) mean over epochs and draws, NaN where there are none; a lost track (not finite) makes its flight infinite."""
+    """(n,) mean over epochs and draws, NaN where there are none."""
     asked = ~np.isnan(values)
     total, count = np.where(asked, values, 0.0).sum(axis=(0, 2)), asked.sum(axis=(0, 2))
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)

@@ -29,9 +29,9 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
     """``count`` arrivals; ``departure``, 120 s behind the engagement, is one of `DEPARTURES`."""
     side = generator.choice((-1.0, 1.0), count)
     limit = np.radians(between(generator, count, 20.0, 30.0))
-    gain = between(generator, count, 0.8, 1.8)
+    gain = between(generator, count, 1.0, 1.8)
     # course and deviation are a loop of second order with the time constants V / (g K) and this one, s
-    look_ahead = 4.0 * between(generator, count, 0.7, 1.1) ** 2 * 85.0 / (STANDARD_GRAVITY * gain)
+    look_ahead = 4.0 * between(generator, count, 0.7, 1.0) ** 2 * 85.0 / (STANDARD_GRAVITY * gain)
     frequency, damping = between(generator, count, 0.5, 1.6), between(generator, count, 0.6, 1.0)  # rad/s, -
     room = between(generator, count, 0.7, 1.1)  # of the deviation at which another course is asked for
     alive = np.radians(between(generator, count, 2.0, 3.0))  # of the beam

@@ -33,10 +33,10 @@ LAG = (0.2, 0.6, 2.5, 5.7, 8.0)  # s
 
 
 class Laws:
-    """Laws of n aircraft that close in on the line at given speeds, m/s, and have to turn by so much, rad."""
+    """Laws of n aircraft of given airspeeds (n,), m/s, in winds, m/s, that have to turn by so much, rad."""
 
-    def __init__(self, generator: np.random.Generator, closing: Any, airspeed: Any, turn: Any) -> None:
-        count = len(closing)
+    def __init__(self, generator: np.random.Generator, airspeed: Any, wind: Any, turn: Any) -> None:
+        count, closing = len(turn), airspeed * np.sin(turn)
         self.k1, self.k2, self.limit, self.bank_limit, self.lag = (np.full(count, np.nan) for _ in range(5))
         while (again := np.isnan(self.k1)).any():
             k1 = np.radians(drawn(generator, count, K1))
@@ -45,7 +45,8 @@ class Laws:
             limit, lag = drawn(generator, count, POSITION_LIMIT), drawn(generator, count, LAG)
             bank = np.radians(drawn(generator, count, BANK_LIMIT))
             # the loop s^2 (lag s + 1) + 2 d w s + w^2 is stable below a lag of 2 d / w
-            good = again & (k1 * limit >= k2 * closing) & (lag <= damping / frequency)
+            good = again & (lag <= damping / frequency)
+            good &= (0.8 * closing <= k1 * limit / k2) & (k1 * limit / k2 <= 0.95 * (airspeed - wind))
             good &= airspeed**2 / (STANDARD_GRAVITY * np.tan(bank)) * (1.0 - np.cos(turn)) <= k2 * closing / k1
             own = (self.k1, self.k2, self.limit, self.bank_limit, self.lag)
             for values, new in zip(own, (k1, k2, limit, bank, lag), strict=True):
@@ -72,7 +73,7 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
     distance = between(generator, count, 14e3, 28e3)  # m, on final at the engagement
     knots = knots + np.array((0.0, 0.0, 1.0, 1.0))[:, None] * distance
     fast = by_distance(distance, knots, speeds)
-    law = Laws(generator, fast * np.sin(turn) + np.abs(wind_across), fast, turn)
+    law = Laws(generator, fast, wind, turn)
     late = between(generator, count, 0.0, 5.0)
     level = np.exp(generator.normal(np.log(1442.0), 0.45, count))  # m
     glide = np.radians(3.0)
@@ -87,7 +88,6 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
     moved_along, moved_across = np.full(count, np.nan), np.full(count, np.nan)
     kept = np.exp(-STEP / law.lag)
     rows: list[tuple[Any, ...]] = []
-    held = np.zeros(count)  # heading at a departure
     each = round(1.0 / STEP)
     for number in range(round(LONGEST / STEP)):
         time = number * STEP
