@@ -23,7 +23,7 @@ from sim.flight.record import Flight
 from sim.observation.sensors.surveillance_radar import ALTIMETRY_SIGMA, STEPS, SurveillanceRadar
 from sim.scenario.tables import Runway
 from tests.tuning.arrivals import by_heading, by_law
-from tests.tuning.look_alikes import final_route, look_alikes
+from tests.tuning.look_alikes import SETTLING, final_route, look_alikes
 from tracking.consistency import lost
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.height_profile import MeasuredHeight
@@ -55,9 +55,9 @@ RADARS = {
         runway=Runway(heading=by_heading.FINAL_COURSE),
     ),
 }
-# the laws that the recipe designs for the A320 at a bank limit of 25 deg
-ASSUMED = LateralNavigation(math.radians(0.148), math.radians(1.76), math.radians(25.0), 760.0, 96.0)
-BEACON = RadioBeacon(ASSUMED.k1 * 2000.0, ASSUMED.k2 * 100.0, math.radians(25.0), math.radians(30.0))
+# the laws that the recipe designs for the scenario a320 at a bank limit of 25 deg
+ASSUMED = LateralNavigation(math.radians(0.1488), math.radians(1.772), math.radians(25.0), 762.0, 85.9)
+BEACON = RadioBeacon(5.195, 3.958, math.radians(25.0), math.radians(22.86))
 
 Factory = Callable[[MeasurementModel, Any, Any], Any]  # of a tracker: measurement, route and law that it is given
 TRACKERS: dict[str, Factory] = {
@@ -96,34 +96,46 @@ class Score(NamedTuple):
     ahead: Any  # errors of the predictions made within the turns, m; (0,) where none were asked for
 
 
-def scene(kind: str, seed: int, count: int, draws: int, departure: str | None = None) -> Scene:
+def scene(kind: str, seed: int, count: int, draws: int) -> Scene:
     """Look-alikes of a generator under its radar."""
-    return watched(look_alikes(kind, seed, count, departure), RADARS[kind], seed, draws)
+    return watched(look_alikes(kind, seed, count), RADARS[kind], seed, draws)
 
 
-def watched(flights: list[Flight], radar: SurveillanceRadar, seed: int, draws: int) -> Scene:
-    """Flights under a radar that gives ``range, azimuth, height``, from `LEAD` + `BEFORE` before their last turns."""
+def arrival(flight: Flight) -> tuple[float, float]:
+    """The part of a flight that is judged and the `LEAD` before, s."""
+    first, last = _capture(flight)
+    return first - LEAD - BEFORE, last + BEHIND
+
+
+Window = Callable[[Flight], tuple[float, float]]  # of a flight: from when to when it is watched, s
+
+
+def watched(flights: list[Flight], radar: SurveillanceRadar, seed: int, draws: int, window: Window = arrival) -> Scene:
+    """Flights under a radar that gives ``range, azimuth, height``; every record begins at time 0."""
     generator = np.random.default_rng([seed, 8])
+    windows = [window(flight) for flight in flights]
+    windows = [
+        (max(a, float(f.time[0])), min(b, float(f.time[-1]))) for f, (a, b) in zip(flights, windows, strict=True)
+    ]
     spans = [_capture(flight) for flight in flights]
-    longest = max(last - first for first, last in spans)
-    time = radar.period * np.arange(math.ceil((LEAD + BEFORE + longest + BEHIND) / radar.period))
+    time = radar.period * np.arange(math.ceil(max(last - first for first, last in windows) / radar.period))
     n, k = len(flights), len(time)
     exact, truth = np.full((k, 3, n), np.nan), np.full((k, 4, n), np.nan)
     later, part = np.full((k, 2, n), np.nan), np.full((k, n), -1)
     heights = np.full((k, n), np.nan)
-    for i, (flight, (first, last)) in enumerate(zip(flights, spans, strict=True)):
-        began = max(first - LEAD - BEFORE, float(flight.time[0]))
+    for i, (flight, (began, ends), span) in enumerate(zip(flights, windows, spans, strict=True)):
         own = began + time
-        there = own <= min(float(flight.time[-1]), last + BEHIND)
+        there = own <= ends
         found = truth_at(flight, own[there])
         north, east, heights[there, i] = found.position
         truth[there, :, i] = np.stack((north, found.velocity[0], east, found.velocity[1]), axis=1)
         exact[there, :, i] = radar.truth(found.state).T
         known = own + AHEAD <= flight.time[-1]
         later[known, :, i] = truth_at(flight, own[known] + AHEAD).position[:2].T
-        part[there, i] = np.searchsorted((first, last), own[there])  # vectors, capture, established
+        part[there, i] = np.searchsorted(span, own[there])  # vectors, capture, established
         part[own < began + LEAD, i] = -1
-    turning = np.stack([_turning(flight, time, span) for flight, span in zip(flights, spans, strict=True)], axis=1)
+    began, first, last = np.array([(window[0], *span) for window, span in zip(windows, spans, strict=True)]).T
+    turning = (began + time[:, None] >= first) & (began + time[:, None] <= last - SETTLING)
     R = radar.covariance()
     noise = np.sqrt(np.diag(R))[:2, None, None] * generator.standard_normal((k, 2, n, draws))
     plots = np.empty((k, 3, n, draws))
@@ -144,12 +156,6 @@ def _capture(flight: Flight) -> tuple[float, float]:
     """When the capture of a flight begins and ends, s."""
     rows = np.flatnonzero(flight.during("capture"))
     return float(flight.time[rows[0]]), float(flight.time[rows[-1]])
-
-
-def _turning(flight: Flight, time: Any, span: tuple[float, float]) -> Any:
-    """Where epochs lie within the turn itself."""
-    own = time + max(span[0] - LEAD - BEFORE, float(flight.time[0]))
-    return (own >= span[0]) & (own <= span[1] - 20.0)
 
 
 def score(seen: Scene, factory: Factory, law: Any = ASSUMED, route: Any = None, look_ahead: bool = True) -> Score:

@@ -46,11 +46,18 @@ def look_alikes(kind: str, seed: int, count: int, departure: str | None = None) 
 
 def _is_arrival(found: Arrivals) -> Any:
     """(n,) bool: not one that a controller would break off because it crosses the line by too much or never comes."""
-    on = found.flying & (np.arange(len(found.across))[:, None] >= found.engaged)
+    time = np.arange(len(found.across))[:, None]
+    still = found.flying & (time < _left(found))
+    on = still & (time >= found.engaged)
     came = np.take_along_axis(found.across, np.argmax(on, axis=0)[None], axis=0)
     beyond = np.where(on, -np.sign(came) * found.across, 0.0).max(axis=0)
-    last = np.take_along_axis(found.across, found.flying.sum(axis=0)[None] - 1, axis=0)[0]
+    last = np.take_along_axis(found.across, still.sum(axis=0)[None] - 1, axis=0)[0]
     return on.any(axis=0) & (beyond <= BROKEN_OFF) & (np.abs(last) <= BROKEN_OFF)
+
+
+def _left(found: Arrivals) -> Any:
+    """(n,) s until which an aircraft is on final under a law, be it the one that was expected or not."""
+    return np.where(found.departed > found.engaged, found.departed, np.inf)
 
 
 def final_route(course: float) -> Route:
@@ -77,7 +84,8 @@ def _flight(found: Arrivals, number: int, course: float) -> Flight:
     known |= {"velocity_up": np.gradient(height, time), "airspeed": own(found.airspeed)}
     known |= {"heading": (own(found.heading) + course) % (2.0 * np.pi)}
     state = AircraftState(**known)
-    phase = _phases(time, _unwrapped(rates), state.velocity_up)
+    on = time < _left(found)[number]
+    phase = _phases(time, _unwrapped((rates[0][on], rates[1][on])), state.velocity_up)
     events = [Event(float(found.engaged[number]), "engaged")]
     if np.isfinite(found.departed[number]):
         events.append(Event(float(found.departed[number]), "departed"))
@@ -117,8 +125,8 @@ def _unwrapped(rates: tuple[Any, Any]) -> Any:
 
 
 def _phases(time: Any, off: Any, climb: Any) -> Any:
-    """(k,) index into `PHASES`."""
-    began, ended = last_turn(time, off)
+    """(k,) index into `PHASES`; the courses may end earlier."""
+    began, ended = last_turn(time[: len(off)], off)
     phase = np.full(len(time), PHASES.index("established"))
     phase[time < began] = PHASES.index("vectors")
     phase[(time >= began) & (time <= ended + SETTLING)] = PHASES.index("capture")
