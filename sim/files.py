@@ -221,6 +221,25 @@ def write_npz(path: Path, arrays: dict[str, Any]) -> None:
         np.savez(file, allow_pickle=False, **{name: np.asarray(array) for name, array in arrays.items()})
 
 
+@contextlib.contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """A file to be written under another name, which takes the place of ``path`` once it is done, and else is deleted.
+
+    Raises ``OutputError`` where that cannot be.
+    """
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        try:
+            partial.unlink(missing_ok=True)
+            yield partial
+            with unstopped():
+                os.replace(partial, path)
+        finally:
+            partial.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
+
+
 def replace(path: Path, text: str) -> None:
     """Write a file so that it is whole or the old one, whatever happens."""
     partial = path.with_name(f".{path.name}.partial")

@@ -10,6 +10,7 @@ import json
 import math
 import os
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,29 @@ def export(folder: Path, kind: str) -> list[Path]:
         for name, table in tables.items():
             write(place / name, table)
     return [folder / name for name in tables]
+
+
+def export_tracks(
+    folder: Path, out: Path | None, date: str | None, workers: int, plugins: Any, progress: Any
+) -> Iterator[str]:
+    """Write the flights of a folder as recordings of traffic; gives a line for each file, and for what is missing.
+
+    ``date`` is when the first flight begins, ISO 8601, in UTC where it names no zone.
+    """
+    from sim.studies.recordings import DATE, write_recordings
+
+    begins = DATE
+    if date is not None:
+        try:
+            told = datetime.fromisoformat(date)
+        except ValueError:
+            raise OutputError(f"--date {date}: write it as 2026-01-01T12:00:00Z") from None
+        begins = (told if told.tzinfo is not None else told.replace(tzinfo=UTC)).timestamp()
+    found = write_recordings(folder, out, date=begins, workers=workers, plugins=plugins, progress=progress)
+    yield f"wrote {found.files[0]}: {found.flights} flights, {found.rows} rows"
+    yield f"wrote {found.files[1]}"
+    if found.lost:
+        yield f"warning: {len(found.lost)} flights are not there; {found.lost[0]}"
 
 
 def _tables(folder: Path) -> dict[str, Columns]:
