@@ -67,6 +67,15 @@ def refuse_foreign(folder: Path, what: str) -> None:
         raise OutputError(f"{folder}: cannot be read: {error.strerror}") from None
 
 
+def refuse_unwritten(folder: Path) -> None:
+    """Raise ``OutputError`` for a folder that is not of a run or a study, or holds links."""
+    if not folder.is_dir():
+        raise OutputError(f"{folder}: no such folder; name the folder that 'shortfinal run' or 'study' wrote")
+    if not (folder / MARK).is_file():
+        raise OutputError(f"{folder}: not a run folder; name one that 'shortfinal run' or 'study' wrote")
+    refuse_links(folder)
+
+
 def refuse_links(folder: Path) -> None:
     """Raise ``OutputError`` for a folder that holds, at any depth, anything but folders and regular files."""
     waiting = [folder] if folder.is_dir() else []

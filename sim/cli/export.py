@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from sim.errors import OutputError
-from sim.files import DAMAGED, MARK, opened, read_bytes, refuse_links, staged
+from sim.files import DAMAGED, opened, read_bytes, refuse_unwritten, staged
 from sim.metrics.contrasts.pairing import TABLES
 from sim.reporting.run_files import with_unit
 from sim.scenario.schema import NAME
@@ -74,11 +74,7 @@ def export_tracks(
 
 def _tables(folder: Path) -> dict[str, Columns]:
     """Every table of a folder by its name."""
-    if not folder.is_dir():
-        raise OutputError(f"{folder}: no such folder; name the folder that 'shortfinal run' or 'study' wrote")
-    if not (folder / MARK).is_file():
-        raise OutputError(f"{folder}: not a run folder; name one that 'shortfinal run' or 'study' wrote")
-    refuse_links(folder)
+    refuse_unwritten(folder)
     if (folder / IDENTITY).is_file():
         return {"flights": _flights(folder)}
     found: dict[str, Columns] = {}

@@ -13,7 +13,7 @@ import numpy as np
 from aircraft.state import AircraftState
 from sim import experiment
 from sim.errors import OutputError, ScenarioError
-from sim.files import DAMAGED, opened, read_bytes, refuse_links, whole
+from sim.files import DAMAGED, opened, read_bytes, refuse_unwritten, whole
 from sim.interchange.track_record import TrackRecord
 from sim.interchange.track_writer import MOST, refuse_format, write_tracks
 from sim.metrics.ensemble.verdict import CRASHED
@@ -77,11 +77,9 @@ def write_recordings(
     """
     path = folder / TRACKS if out is None else out
     refuse_format(path)
+    refuse_unwritten(folder)
     if not path.parent.is_dir():
         raise OutputError(f"{path.parent}: no such folder to write into")
-    if not folder.is_dir():
-        raise OutputError(f"{folder}: no such folder; name the folder that 'shortfinal run' or 'study' wrote")
-    refuse_links(folder)
     source = _of_study if (folder / folders.IDENTITY).is_file() else _of_run
     scenario, kept, wanted = source(folder, date, catalogue_with(plugins))
     if len(kept) + len(wanted) > MOST:
