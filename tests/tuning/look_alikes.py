@@ -111,7 +111,8 @@ def last_turn(time: Any, off: Any) -> tuple[float, float]:
     step = float(time[1] - time[0])
     rate = np.convolve(np.pad(np.gradient(off, time), 2, "edge"), np.full(5, 0.2), "valid")
     turning = -np.sign(off[outside[-1]]) * rate > TURNING
-    first = last = int(np.flatnonzero(turning[: outside[-1] + 1])[-1]) if turning[: outside[-1] + 1].any() else 0
+    turned = np.flatnonzero(turning[: outside[-1] + 1])
+    first = last = int(turned[-1] if len(turned) else outside[-1])
     while (more := np.flatnonzero(turning[max(first - round(PAUSE / step), 0) : first])).size:
         first = max(first - round(PAUSE / step), 0) + int(more[0])
     while last + 1 < len(turning) and turning[last + 1]:

@@ -17,7 +17,7 @@ from tests.tuning.arrivals.record import Arrivals, between
 
 FINAL_COURSE = np.radians(73.0)
 DEPARTURES = ("offset", "bank")
-STEP = 0.2  # s
+STEP = 0.25  # s
 KNOT = 1852.0 / 3600.0  # m/s
 LONGEST = 1300.0  # s
 LEFT_AFTER = 120.0  # s behind the engagement
@@ -94,12 +94,14 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
             )
         roll = roll + STEP * (frequency**2 * (command - bank) - 2.0 * damping * frequency * roll)
         bank = bank + STEP * roll
-        heading = heading + STEP * STANDARD_GRAVITY * np.tan(bank) / airspeed
+        turned = STEP * STANDARD_GRAVITY * np.tan(bank) / airspeed
+        middle, heading = heading + 0.5 * turned, heading + turned
         target = steps[0]
         for speed_of, ends in zip(steps[1:], at, strict=True):
             target = np.where(-along < ends, speed_of, target)
         airspeed = np.maximum(airspeed - slowing * STEP * (airspeed > target), np.minimum(target, airspeed))
-        along, across = along + STEP * rate_along, across + STEP * rate_across
+        along = along + STEP * (airspeed * np.cos(middle) + blowing * np.cos(blows))
+        across = across + STEP * (airspeed * np.sin(middle) + blowing * np.sin(blows))
         flown = flown + STEP * speed
         kept = np.exp(-STEP * speed / 1500.0)
         beam = kept * beam + bend * np.sqrt(1.0 - kept**2) * generator.standard_normal(count)

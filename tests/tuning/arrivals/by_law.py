@@ -18,7 +18,7 @@ from tests.tuning.arrivals.record import Arrivals, between, by_distance, drawn
 
 FINAL_COURSE = np.radians(260.0)
 DEPARTURES = ("offset", "bank", "beacon")
-STEP = 0.2  # s, of the integration
+STEP = 0.25  # s, of the integration
 ROLL_RATE = np.radians(5.0)  # rad/s
 KNOT = 1852.0 / 3600.0  # m/s
 LONGEST = 1300.0  # s
@@ -132,8 +132,10 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
         command = np.where(time >= engaged, followed, vectored)
         change = (command - bank) * (1.0 - kept)
         bank = bank + np.clip(change, -ROLL_RATE * STEP, ROLL_RATE * STEP)
-        heading = heading + STEP * STANDARD_GRAVITY * np.tan(bank) / airspeed
-        along, across = along + STEP * rate_along, across + STEP * rate_across
+        turned = STEP * STANDARD_GRAVITY * np.tan(bank) / airspeed
+        middle, heading = heading + 0.5 * turned, heading + turned
+        along = along + STEP * (airspeed * np.cos(middle) + wind_along)
+        across = across + STEP * (airspeed * np.sin(middle) + wind_across)
         flown = flown + STEP * np.hypot(rate_along, rate_across)
     columns = [np.stack(column) for column in zip(*rows, strict=True)]
     before = np.arange(len(rows))[:, None] < arrived  # these rows are not yet in their place
