@@ -45,14 +45,19 @@ def look_alikes(kind: str, seed: int, count: int, departure: str | None = None) 
 
 
 def _is_arrival(found: Arrivals) -> Any:
-    """(n,) bool: not one that a controller would break off because it crosses the line by too much or never comes."""
+    """(n,) bool: one that turns onto final; not one that a controller breaks off because it crosses the line by far."""
     time = np.arange(len(found.across))[:, None]
     still = found.flying & (time < _left(found))
     on = still & (time >= found.engaged)
-    came = np.take_along_axis(found.across, np.argmax(on, axis=0)[None], axis=0)
+    last = still.sum(axis=0)[None] - 1
+    off = np.abs(np.arctan2(found.across_rate, found.along_rate))
+    came, ended, at_last = (
+        np.take_along_axis(values, row, axis=0)[0]
+        for values, row in ((found.across, np.argmax(on, axis=0)[None]), (found.across, last), (off, last))
+    )
     beyond = np.where(on, -np.sign(came) * found.across, 0.0).max(axis=0)
-    last = np.take_along_axis(found.across, still.sum(axis=0)[None] - 1, axis=0)[0]
-    return on.any(axis=0) & (beyond <= BROKEN_OFF) & (np.abs(last) <= BROKEN_OFF)
+    turned = (np.where(still, off, 0.0).max(axis=0) > NEAR) & (at_last <= NEAR)
+    return on.any(axis=0) & turned & (beyond <= BROKEN_OFF) & (np.abs(ended) <= BROKEN_OFF)
 
 
 def _left(found: Arrivals) -> Any:
