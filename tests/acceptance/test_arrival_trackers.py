@@ -1,8 +1,8 @@
 """Trackers and the conformance alert on arrivals that look like recorded ones, under a radar with Mode C.
 
 Both generators of tests/tuning, on a seed that nothing was tuned on; ``heading`` was never seen in tuning at all.
-``recorded`` are the flights of ``law`` written as ADS-B recordings and read in again. The trackers are told the law that
-is designed for the A320 at 25 deg, which none of these aircraft flies.
+``recorded`` are flights of ``law`` written as ADS-B recordings and read in again. The trackers are told the law that is
+designed for the A320 at 25 deg, which none of these aircraft flies.
 """
 
 from __future__ import annotations
@@ -68,11 +68,11 @@ def test_nothing_is_lost_and_doubts_are_right(row, kind):
     anees = {part: float(np.nanmean(own.anees[number])) for number, part in enumerate(PARTS)}
     lost = int(own.lost.any(axis=1).sum())
     met = lost == 0 and all(0.8 <= value <= 1.6 for value in anees.values())
-    errors = ", ".join(f"{rmse(raw(seen(kind)), part):.0f} -> {rmse(own, part):.0f}" for part in PARTS)
+    errors = ", ".join(f"{rmse(raw(seen(kind)), part):.0f} and {rmse(own, part):.0f}" for part in PARTS)
     row(
         f"look-alikes, {kind}: {EXTENDED}, flights lost; ANEES in {', '.join(PARTS)}",
         "none of them; .8 to 1.6 each",
-        f"{lost} of {len(seen(kind).flights)}; {', '.join(f'{value:.2f}' for value in anees.values())}; RMSE raw -> own {errors} m",
+        f"{lost} of {own.lost.shape[0]}; {', '.join(f'{value:.2f}' for value in anees.values())}; RMSE {errors} m, raw first",
         met,
     )
     assert met
