@@ -365,8 +365,12 @@ def export(
             raise OutputError(
                 "say --tracks alone: the ending of its file, -o NAME.csv or NAME.parquet, says the format"
             )
-        for line in export_tracks(folder, out, date, workers, plugins or (), _progress()):
-            typer.echo(printable(line))
+        found = export_tracks(folder, out, date, workers, plugins or (), _progress())
+        typer.echo(f"wrote {found.files[0]}: {found.flights} flights, {found.rows} rows")
+        typer.echo(f"wrote {found.files[1]}")
+        if found.lost:
+            typer.echo(printable(f"warning: {len(found.lost)} flights are not there; {found.lost[0]}"))
+            raise typer.Exit(FLIGHTS_CRASHED)
         return
     if out is not None or date is not None or workers > 1:
         raise OutputError("-o, --date and -j go with --tracks")

@@ -12,7 +12,7 @@ import os
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from sim.reporting.run_files import with_unit
 from sim.scenario.schema import NAME
 from sim.studies.folder import IDENTITY, stamp
 from sim.studies.kept import flight_log
+
+if TYPE_CHECKING:
+    from sim.studies.recordings import Written
 
 RECORDS = ("flight", "measurements", "tracks")
 METRICS = "metrics.json"
@@ -51,8 +54,8 @@ def export(folder: Path, kind: str) -> list[Path]:
 
 def export_tracks(
     folder: Path, out: Path | None, date: str | None, workers: int, plugins: Any, progress: Any
-) -> Iterator[str]:
-    """Write the flights of a folder as recordings of traffic; gives a line for each file, and for what is missing.
+) -> Written:
+    """Write the flights of a folder as recordings of traffic.
 
     ``date`` is when the first flight begins, ISO 8601, in UTC where it names no zone.
     """
@@ -65,11 +68,7 @@ def export_tracks(
         except ValueError:
             raise OutputError(f"--date {date}: write it as 2026-01-01T12:00:00Z") from None
         begins = (told if told.tzinfo is not None else told.replace(tzinfo=UTC)).timestamp()
-    found = write_recordings(folder, out, date=begins, workers=workers, plugins=plugins, progress=progress)
-    yield f"wrote {found.files[0]}: {found.flights} flights, {found.rows} rows"
-    yield f"wrote {found.files[1]}"
-    if found.lost:
-        yield f"warning: {len(found.lost)} flights are not there; {found.lost[0]}"
+    return write_recordings(folder, out, date=begins, workers=workers, plugins=plugins, progress=progress)
 
 
 def _tables(folder: Path) -> dict[str, Columns]:

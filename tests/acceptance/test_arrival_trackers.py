@@ -68,11 +68,12 @@ def test_nothing_is_lost_and_doubts_are_right(row, kind):
     anees = {part: float(np.nanmean(own.anees[number])) for number, part in enumerate(PARTS)}
     lost = int(own.lost.any(axis=1).sum())
     met = lost == 0 and all(0.8 <= value <= 1.6 for value in anees.values())
+    told_anees = ", ".join(f"{value:.2f}" for value in anees.values())
     errors = ", ".join(f"{rmse(raw(seen(kind)), part):.0f} and {rmse(own, part):.0f}" for part in PARTS)
     row(
         f"look-alikes, {kind}: {EXTENDED}, flights lost; ANEES in {', '.join(PARTS)}",
         "none of them; .8 to 1.6 each",
-        f"{lost} of {own.lost.shape[0]}; {', '.join(f'{value:.2f}' for value in anees.values())}; RMSE {errors} m, raw first",
+        f"{lost} of {len(own.lost)}; {told_anees}; RMSE {errors} m, raw first",
         met,
     )
     assert met
