@@ -51,7 +51,7 @@ CONFINED = {
     "matplotlib": ("sim/reporting/", "sim/studies/figures.py"),
     "jinja2": ("sim/reporting/page.py",),
     "distributed": ("sim/workers/cluster.py",),
-    "pyarrow": ("sim/cli/export.py",),
+    "pyarrow": ("sim/cli/export.py", "sim/interchange/track_writer.py"),
 }
 HEAVY = (*CONFINED, "scipy")  # what a user who asks for help should not wait for
 

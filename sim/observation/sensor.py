@@ -49,10 +49,12 @@ QUANTITIES: dict[str, Quantity] = {
     "north": _LENGTH,
     "east": _LENGTH,
     "height": _LENGTH,  # above the threshold
+    "pressure_altitude": Quantity("m", "m"),  # above 1013.25 hPa: no place, for that the QNH must be known
     "deviation": _DIRECTION,  # from a course line
     "range_rate": _SPEED,  # + receding
     "airspeed": _SPEED,
     "ground_speed": _SPEED,
+    "vertical_rate": _SPEED,  # + up
     "bank": _ANGLE,
     "pitch": _ANGLE,
     "heading": _ANGLE,
