@@ -214,8 +214,13 @@ def assumed_law(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
 
 
 def charted_route(prepared: Prepared) -> Any:
-    """The route with the speeds that its chart shows: of each leg, and of the glide path where the last leg has one."""
+    """The route with the speeds that its chart shows: of each leg, and of the glide path where the last leg has one.
+
+    A recording for which no route is told has a final without speeds.
+    """
     route, landing = prepared.route, prepared.autopilot.landing
+    if not prepared.scenario.has_route:
+        return route
     last = len(route.legs) - 1
     # the glide path begins where it leaves the height of the leg
     glide = () if landing is None else ((last, route.legs[last].height / landing.slope, landing.approach_speed),)
