@@ -35,7 +35,7 @@ from sim.metrics.navigation import navigation_quality
 from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
-from sim.reporting.text.warnings import contrast_warnings, skipped_looks, warnings
+from sim.reporting.text.warnings import contrast_warnings, skipped_looks, unjudged, warnings
 from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.axes import samples
@@ -163,6 +163,7 @@ def run(
     told = [
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
+        *unjudged(flown, checks, found.checks),
         *skipped_looks(found.tracks),
         *contrast_warnings(contrasts, trackers_found),
         *assumed_height.remarks(prepared, flown, before),
@@ -364,7 +365,7 @@ def _on_truth(prepared: Prepared, number: int) -> dict[str, Any]:
 
 
 def run_to_folder(
-    source: str,
+    source: str | dict[str, Any],
     overrides: dict[str, Any],
     out: Path | None,
     progress: Callable[..., Any] | None = None,

@@ -14,6 +14,7 @@ from sim.errors import ScenarioError
 from sim.estimation.clutter import AmongFalsePlots
 from sim.flight.preparation import Prepared
 from sim.metrics.conformance import MISMATCHED
+from sim.observation.record import refuse_unknown
 from sim.observation.sensor import unplaced
 from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
@@ -175,6 +176,8 @@ def check(prepared: Prepared, own: dict[str, Any] | None = None) -> None:
 
     ``own`` are trackers of the caller by name.
     """
+    if prepared.recording is not None:
+        refuse_unknown(prepared.recording, prepared.scenario.sensors)
     for name, sensor in prepared.scenario.sensors.items():
         for sentence in unplaced(sensor):
             raise ScenarioError(f"[sensors.{name}] {sentence}")

@@ -1,4 +1,5 @@
 """Formats of others, as plain arrays, in and out.
 
-``track_record`` is a recorded track as it lies in files.
+``track_record`` is a recorded track as it lies in files, ``tracks`` reads a file of them: ``tables`` gives its columns,
+``columns`` says which of ours they are and in which units, ``stamps`` reads times and numbers.
 """

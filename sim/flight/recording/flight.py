@@ -52,11 +52,15 @@ def recorded_flight(track: TrackRecord, runway: Runway, air: Air | None = None, 
     if stopped.size:
         path, phase = Path(*(part[..., : stopped[0]] for part in path)), phase[: stopped[0]]
     route = final_route(runway) if route is None else route
-    told = (*track.remarks, *assumed, *dropped, *wild, *notes(path, phase, runway, air, accuracy))
+    told = (*track.remarks, *assumed, *dropped, *wild, *notes(path, phase, runway, air))
     outcome, reason = _ending(path, phase, runway)
     time = path.time
     changes = (0, *(np.flatnonzero(np.diff(phase)) + 1))
+    accurate = (
+        f"{accuracy.along:.1f} m along the track, {accuracy.across:.1f} m across, {accuracy.height:.1f} m in height"
+    )
     events = (
+        Event(0.0, "recorded", f"places scattered by {accurate} before they were smoothed"),
         *(Event(0.0, REMARK, sentence) for sentence in told),
         *(Event(float(time[i]), PHASES[phase[i]]) for i in changes),
         Event(float(time[-1]), outcome, reason),
@@ -64,9 +68,7 @@ def recorded_flight(track: TrackRecord, runway: Runway, air: Air | None = None, 
     leg = _leg(route, path)
     nothing = np.full(len(time), np.nan)
     command = Command(*(nothing,) * len(Command._fields))
-    return Flight(
-        route, _state(path), command, leg, phase, PHASES, events, outcome, reason, utc=float(rows.time[0])
-    )
+    return Flight(route, _state(path), command, leg, phase, PHASES, events, outcome, reason, utc=float(rows.time[0]))
 
 
 def final_route(runway: Runway) -> Route:
@@ -90,9 +92,7 @@ def _leg(route: Route, path: Path) -> np.ndarray:
     legs = np.array([(*leg.end, *leg.direction) for leg in route.legs])
     if len(legs) == 1:
         return np.zeros(len(path.time), int)
-    across = np.abs(
-        (path.position[1] - legs[:, 1:2]) * legs[:, 2:3] - (path.position[0] - legs[:, :1]) * legs[:, 3:]
-    )
+    across = np.abs((path.position[1] - legs[:, 1:2]) * legs[:, 2:3] - (path.position[0] - legs[:, :1]) * legs[:, 3:])
     found, current = [], 0
     for number in range(across.shape[1]):
         while current + 1 < len(legs) and across[current + 1, number] < across[current, number]:

@@ -1,9 +1,10 @@
-"""What a ``[record]`` brings along, and what cannot stand beside it; on the tables of a file, before they are checked."""
+"""What a ``[record]`` brings along and what cannot stand beside it; works on the tables of a file as they stand."""
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from sim.errors import ScenarioError
 from sim.files import opened
 from sim.scenario.messages import stem
 
+LONGEST_NAME = 50  # characters of a scenario's name that a flight gives it
 Parser = Callable[[str, bytes], dict[str, Any]]
 
 FLOWN = ("aircraft", "start", "wind", "designed", "departures", "until_s")  # what only a flight that is flown has
@@ -24,6 +26,22 @@ BLOCK = 1 << 20  # bytes that are hashed at a time
 # of jets to three airports; half of the flights have a k1 of .04 to .08 deg/m and a k2 of .7 to 1.1 deg/(m/s).
 BANK_LIMIT = {"bank_limit_deg": 25.0}
 LAW = {"k1_deg_per_m": 0.055, "k2_deg_per_mps": 0.88, "cross_track_limit_m": 976.0}
+
+
+def scenario_of(tracks: Path, runway: Path, flight: str | None, name: str) -> dict[str, Any]:
+    """The tables of a scenario for a recorded flight: a surveillance radar with Mode C, and trackers that need no more
+    than that an airliner is watched. What it should be called is told by ``name``."""
+    plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)[:LONGEST_NAME]
+    return {
+        "name": plain if plain[:1].isascii() and plain[:1].isalpha() else f"flight_{plain}",
+        "record": {"file": str(tracks), "runway": str(runway), **({} if flight is None else {"flight": flight})},
+        "sensors": {"radar": {"kind": "surveillance_radar", "height": "mode_c"}},
+        "trackers": {
+            "kalman": {"kind": "kalman"},
+            "imm": {"kind": "imm"},
+            "intent_imm": {"kind": "intent_imm"},
+        },
+    }
 
 
 def beside_file(tables: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -123,9 +141,14 @@ def strangers(tables: dict[str, Any]) -> list[str]:
         if any(stem(key) == name and value not in (none, None) for key, value in autopilot.items())
     ]
     if route.get("kind", "pattern") != "legs":
-        faults.append("[route] of a recording is told to trackers as kind = \"legs\", or not at all")
+        faults.append('[route] of a recording is told to trackers as kind = "legs", or not at all')
     if tables.get("flights", 1) != 1:
         faults.append("flights: a recording is one flight; ask for more 'draws' of the sensors' noise")
+    study = tables.get("study") or {}
+    if study.get("theory") is not None:
+        faults.append("[study] theory: there is none of a flight that was flown elsewhere")
+    if study.get("samples", 1) != 1 and not study.get("axes"):
+        faults.append("[study] samples: a recording is one flight; vary something under [study.axes]")
     return faults + [f"[runway] {lacking}" for lacking in _unplaced(tables.get("runway", {}))]
 
 
