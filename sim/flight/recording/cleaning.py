@@ -62,7 +62,7 @@ def cleaned(rows: Rows) -> tuple[Rows, list[str]]:
     distance = np.hypot(rows.north, rows.east)
     if len(distance) and distance.min() > FARTHEST:
         raise ValueError(
-            f"it never comes nearer to the threshold than {distance.min() / 1e3:.0f} km: another runway, or another unit?"
+            f"it never comes nearer to the threshold than {distance.min() / 1e3:.0f} km: another runway, or unit?"
         )
     keep(distance <= FARTHEST, f"lie beyond {FARTHEST / 1852.0:.0f} NM and are left out")
     rows = _piece(rows, told)
