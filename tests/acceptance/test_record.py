@@ -20,6 +20,8 @@ from aircraft.runway import Runway
 from sim.errors import ScenarioError
 from sim.flight.recording.flight import recorded_flight
 from sim.interchange.track_record import TrackRecord
+from sim.studies.study import study
+from sim.workers.executors import LocalExecutor
 from tests import recordings
 from tests.damaged_recordings import DAMAGED
 from tracking.measurement import wrap
@@ -66,28 +68,6 @@ def test_flown_runs_read_in_again(row):
     )
     assert max(place.values()) <= 1.0
     assert max(course.values()) <= 0.05
-
-
-@pytest.mark.parametrize("distance", [10e3, 40e3])
-def test_places_agree_with_a_straight_line_through_the_earth(distance):
-    """Distances from the threshold are those of straight lines in the earth-centred frame, whatever the direction."""
-    runway = Runway(math.radians(57.0), math.radians(-3.0), 120.0)
-    course = np.radians(np.arange(0.0, 360.0, 7.0))
-    north, east = distance * np.cos(course), distance * np.sin(course)
-    latitude, longitude = runway.geodetic(north, east, 0.0)
-    a, b = 6378137.0, 6378137.0 * (1.0 - 1.0 / 298.257223563)
-
-    def centred(lat: Any, lon: Any, h: float) -> Any:
-        normal = a * a / np.sqrt((a * np.cos(lat)) ** 2 + (b * np.sin(lat)) ** 2)
-        return np.array(
-            ((normal + h) * np.cos(lat) * np.cos(lon), (normal + h) * np.cos(lat) * np.sin(lon),
-             (normal * b * b / a / a + h) * np.sin(lat) + 0.0 * lon)
-        )  # fmt: skip
-
-    here, there = centred(runway.latitude, runway.longitude, 120.0), centred(latitude, longitude, 120.0)
-    straight = np.linalg.norm(there - here[:, None], axis=0)
-    drop = distance**2 / (2.0 * 6.37e6)  # below the plane, by the curvature of the earth
-    assert np.abs(np.sqrt(straight**2 - drop**2) - distance).max() < 0.01
 
 
 def test_damaged_recordings(row, tmp_path):
@@ -156,6 +136,30 @@ def test_a_million_rows(row, tmp_path):
     assert (total, found) == (flights * len(body), flights)
     assert seconds <= 10.0
     assert megabytes < 1024.0
+
+
+def test_a_study_over_the_flights_of_a_file(row, tmp_path):
+    """Cells in worker processes read the file by its path and digest, the page is that of any study."""
+    table = recordings.rows("FIRST") + recordings.rows("SECOND", pressure=-100.0)
+    (tmp_path / "tracks.csv").write_text(recordings.text(table))
+    (tmp_path / "runway.toml").write_text(recordings.RUNWAY_FILE)
+    scenario = {
+        "name": "flights",
+        "draws": 10,
+        "record": {"file": str(tmp_path / "tracks.csv"), "runway": str(tmp_path / "runway.toml")},
+        "sensors": {"radar": {"kind": "surveillance_radar", "height": "mode_c"}},
+        "trackers": {"imm": {"kind": "imm"}},
+        "study": {"axes": {"record.flight": ["FIRST", "SECOND"]}},
+    }
+    executor = LocalExecutor(1)
+    try:
+        found = study(scenario, tmp_path / "study", executor)
+    finally:
+        executor.close()
+    outcomes = found["outcomes"]  # the second reads 100 m low, and is never near the glide path or down
+    row("a study over the flights of a recording", "as of any flight", str(outcomes), sum(outcomes.values()) == 2)
+    assert outcomes == {"completed": 1, "landed": 1}
+    assert (tmp_path / "study" / "report.html").is_file()
 
 
 def test_smoothing(row, tmp_path):
