@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -169,6 +170,14 @@ def test_flights_of_a_file_are_smoothed_when_they_are_asked_for(files):
         flights["THIRD"]
     apart = flights["FIRST"].state.height[:3000] - flights["SECOND"].state.height[:3000]
     np.testing.assert_allclose(apart, 100.0, atol=5.0)
+
+
+def test_the_example_of_the_page_is_the_formula():
+    page = Path(__file__).resolve().parents[2] / "docs" / "recordings"
+    assert (page / "made_up.csv").read_text() == recordings.text(recordings.rows(step=4.0)).replace("\r\n", "\n")
+    assert (page / "runway.toml").read_text().endswith(recordings.RUNWAY_FILE)
+    flight = sim.recorded(page / "made_up.csv", page / "runway.toml")["MADE1_001"]
+    assert flight.outcome == "landed"
 
 
 def test_the_command_runs_one_flight(files, command, monkeypatch):

@@ -10,7 +10,7 @@ from sim.flight.outcomes import LONGEST_FLIGHT
 from sim.flight.recording.places import Rows
 
 STILL = 0.5  # m: who moves less from one row to the next has not been seen anew
-LONGEST_GAP = 20.0  # s; in its middle the smoothed place is known to 20 m, see `smoothing.bridged`
+LONGEST_GAP = 20.0  # s; in its middle a smoothed place is known to 7 m
 FASTEST = 400.0  # m/s over the ground, that nothing on an approach exceeds
 SLACK = 300.0  # m, by which two rows may lie farther apart: stamps jitter
 STEEPEST = 100.0  # m/s up or down

@@ -10,8 +10,9 @@ import pytest
 from aircraft.air import Air
 from aircraft.runway import Runway as Place
 from sim.errors import ScenarioError
+from sim.flight.recording.cleaning import LONGEST_GAP
 from sim.flight.recording.flight import recorded_flight
-from sim.flight.recording.smoothing import Path, resampled
+from sim.flight.recording.smoothing import Path, WhiteJerk, resampled
 from sim.interchange.track_record import TrackRecord
 from sim.scenario.tables import Runway
 from tests import recordings
@@ -159,6 +160,14 @@ def test_between_rows_the_motion_is_the_polynomial_through_both():
     found = resampled(Path(time, *knots), between)
     for part, one in zip(found[1:], (polynomial, polynomial.deriv(), polynomial.deriv(2)), strict=True):
         np.testing.assert_allclose(part, np.stack([one(between)] * 3), atol=1e-9)
+
+
+def test_in_the_middle_of_the_longest_gap_a_place_is_known_to_seven_metres():
+    """By the covariance of a motion whose place, velocity and acceleration are known at both ends."""
+    F, Q, _ = WhiteJerk().transition(LONGEST_GAP / 2.0, None)
+    F, Q = F[:3, :3], Q[:3, :3]
+    both = np.linalg.inv(Q) + F.T @ np.linalg.inv(Q) @ F
+    assert math.sqrt(np.linalg.inv(both)[0, 0]) == pytest.approx(7.0, abs=0.5)
 
 
 @pytest.mark.parametrize("height", [0.0, 3000.0])
