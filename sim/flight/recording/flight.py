@@ -109,7 +109,7 @@ def _ending(path: Path, phase: np.ndarray, runway: Runway) -> tuple[str, str]:
     if phase[-1] == GROUND:
         over = int(np.argmax(phase == GROUND))
         there = float(runway.from_local(path.position[0, over], path.position[1, over])[0])
-        return "landed", f"was down on the runway {there:.0f} m past the threshold, where it sank no more"
+        return "landed", f"on the runway {there:.0f} m past the threshold at the latest, where it sank no more"
     where = f"{math.hypot(past, right) / 1e3:.1f} km from the threshold at {path.position[2, -1]:.0f} m"
     if phase[-1] >= ESTABLISHED:
         return "completed", f"the record ends on the line of the runway, {where}"
