@@ -114,8 +114,8 @@ def test_a_wild_first_row_does_not_move_the_date(flight):
     latitude = track.latitude.copy()
     latitude[0] += 1e-4  # 637 m
     found = recorded_flight(track._replace(latitude=latitude), RUNWAY)
-    assert found.utc == recordings.BEGUN + 1.0
-    np.testing.assert_allclose(found.state.north[:300], flight.state.north[30:330], atol=0.5)
+    assert found.utc == recordings.BEGUN + 3.0
+    np.testing.assert_allclose(found.state.north[:300], flight.state.north[90:390], atol=0.5)
 
 
 def test_of_pieces_the_one_that_ends_nearest_the_threshold_is_the_flight():
