@@ -16,7 +16,7 @@ from sim.files import plain
 from sim.studies.plan import designed_cells, plan
 from tests import recordings
 
-RADAR = {"kind": "surveillance_radar", "height": "mode_c", "period_s": 10.0}
+RADAR = {"kind": "surveillance_radar", "height": "mode_c", "period_s": 20.0}
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def files(tmp_path_factory):
 def tables(files, flight="FIRST", **more):
     record = {"file": str(files / "tracks.csv"), "runway": str(files / "runway.toml")}
     record |= {} if flight is None else {"flight": flight}
-    return {"name": "recorded", "draws": 2, "record": record, **more}
+    return {"name": "recorded", "draws": 1, "record": record, **more}
 
 
 @pytest.fixture(scope="module")

@@ -60,8 +60,10 @@ def completed_record(tables: dict[str, Any], parsed: Parser) -> dict[str, Any]:
     Raises ``ScenarioError`` for a file that cannot be read, or is not the one that the scenario was written with.
     """
     record = tables.get("record")
-    if not isinstance(record, dict) or not isinstance(record.get("file"), str) or not record["file"]:
-        return tables
+    if not isinstance(record, dict) or not isinstance(record.get("file"), str):
+        return tables  # a fault that is told by the model of the file
+    if not record["file"]:
+        raise ScenarioError("[record] file: is empty; name a file of recorded tracks")
     if isinstance(record.get("runway"), str):
         if "runway" in tables:
             raise ScenarioError("[record] runway: there is a table [runway] already; keep one of the two")

@@ -21,10 +21,6 @@ class RecordTable:
     sha256: str | None = None  # of the file, as the run had it that wrote this scenario; another content is refused
     columns: dict[str, str] = field(default_factory=dict)  # our names with a unit -> names of the file
 
-    def __post_init__(self) -> None:
-        if not self.file:
-            raise ValueError("file must name a file of recorded tracks")
-
 
 def final(runway: Runway) -> LegsTable:
     """The extended centreline to the aiming point, as the route of a recording for which none is told."""
