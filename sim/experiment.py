@@ -24,6 +24,7 @@ from sim.flight import loop as flights
 from sim.flight.departures import with_departure_events
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Flight
+from sim.flight.recording.unknown import unknown_flight
 from sim.metrics.checks import evaluate_checks, unknown_names
 from sim.metrics.contrasts.pairing import contrasts_of_flight
 from sim.metrics.ensemble.contrasts import contrasts_over_flights
@@ -32,6 +33,7 @@ from sim.metrics.ensemble.trackers import over_flights
 from sim.metrics.ensemble.verdict import CRASHED, refuse_unfit, verdicts, worst_first
 from sim.metrics.flight import flight_metrics
 from sim.metrics.navigation import navigation_quality
+from sim.observation import recordings
 from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
@@ -69,9 +71,15 @@ def read(
 
 
 def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
-    """Fly one flight of a prepared scenario; ``flight`` addresses its turbulence."""
+    """Fly one flight of a prepared scenario; ``flight`` addresses its turbulence.
+
+    Of one that has a record without a file there is nothing to fly, and nothing known.
+    """
     if not isinstance(prepared, Prepared):
         prepared = prepare(prepared if isinstance(prepared, Scenario) else read(prepared))
+    scenario = prepared.scenario
+    if scenario.record is not None and not scenario.record.known:
+        return unknown_flight(prepared.route, scenario.sensors, scenario.until)
     return run_isolated(prepared.scenario, FLIGHT_TIME_LIMIT, _fly, prepared, flight)
 
 
@@ -163,7 +171,8 @@ def run(
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
         *skipped_looks(found.tracks),
         *contrast_warnings(contrasts, trackers_found),
-        *assumed_height.remarks(prepared, flown, before),
+        *(assumed_height.remarks(prepared, flown, before) if flown.known else ()),
+        *recordings.remarks(flown, scenario.sensors, {name: len(one.time) for name, one in found.records.items()}),
     ]
     metrics = {
         "scenario": scenario.name,

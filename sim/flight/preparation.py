@@ -447,6 +447,12 @@ def _warnings(scenario: Scenario, autopilot: Approach, aircraft: AircraftData, g
     north, east = scenario.wind.steady
     along, across = scenario.runway.from_local(north, east)
     told, landing = [], autopilot.landing
+    if scenario.record is not None and "route" not in scenario.tables:
+        leg = autopilot.route.legs[-1]
+        told.append(
+            f"no [route] is told: trackers that follow one, and ranges without a height, take the final course at "
+            f"{leg.speed:g} m/s and {leg.height:g} m"
+        )
     if scenario.aircraft.repairs and scenario.aircraft.model != "point_mass":
         told += [f"the model is repaired: {text}" for text in _airframe(scenario).load().repairs]
     if landing is not None and landing.gate.sink > StabilisedGate.sink:

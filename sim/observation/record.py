@@ -12,6 +12,7 @@ from aircraft.state import AircraftState
 from sim.errors import ScenarioError
 from sim.flight.record import Flight
 from sim.observation.faults import faulty
+from sim.observation.recordings import dated
 from sim.observation.sensor import Look, SensorError, ask, looks_of
 from sim.randomness import Streams
 from sim.scenario.tables import SensorFault
@@ -47,13 +48,14 @@ def observe(
 
     ``faults`` are those of a scenario, its ``sensor_faults``; without them every sensor errs as it states.
 
-    Raises ``ScenarioError`` for a sensor that does not keep its contract.
+    Raises ``ScenarioError`` for a sensor that does not keep its contract, and for recorded plots of which none falls
+    into the flight.
     """
     return {
         name: _watch(
             flight, name, sensor, Streams(seed, number, draws, name), [one for one in faults if one.sensor == name]
         )
-        for name, sensor in sensors.items()
+        for name, sensor in dated(flight, sensors).items()
     }
 
 

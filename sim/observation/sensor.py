@@ -85,11 +85,21 @@ class Look(NamedTuple):
     candidates: np.ndarray | None = None  # (c, m, draws) plots with the false ones, z first; only with ``clutter``
 
 
+class Recording(NamedTuple):
+    """What a sensor has recorded once and for all, instead of watching the flight."""
+
+    looks: int
+    first: float  # s of the flight that it is `Sensor.dated` by, before that of its own clock
+    last: float  # s
+    dated: bool  # whether its clock counts from 1970
+    remarks: tuple[str, ...] = ()  # what its user should know
+
+
 class Sensor(Protocol):
     """What watches the aircraft. `broken_promises` tries whether a class is one.
 
     A class must have ``channels``, ``period``, ``begin``, ``step`` and ``truth``. What else it leaves out is as
-    `DEFAULTS` says: no antenna, no false plots, no outline, and a place where its channels are one.
+    `DEFAULTS` says: no antenna, no false plots, no outline, no recording, and a place where its channels are one.
     """
 
     @property
@@ -129,6 +139,15 @@ class Sensor(Protocol):
         """s between epochs; at least 1/120, because the flight is not known in finer steps."""
         ...
 
+    @property
+    def recording(self) -> Recording | None:
+        """What it recorded; None = it watches the flight. A recording is the same in every draw."""
+        ...
+
+    def dated(self, utc: float | None) -> Any:
+        """The sensor for a flight that has its time 0 at ``utc``, s since 1970; None = it is flown at no date."""
+        ...
+
     def begin(self, time: float, streams: Streams) -> Any:
         """State before the first epoch, which is one period after ``time`` (s).
 
@@ -163,6 +182,8 @@ DEFAULTS: dict[str, Any] = {  # members that a class may leave out, and what the
     "antenna": None,
     "zero_azimuth": None,
     "outline": lambda sensor: (),
+    "recording": None,
+    "dated": lambda sensor, utc: sensor,
 }
 MEMBERS = ("channels", "period", "begin", "step", "truth")  # that a class must have
 CLUTTERED = ("detection", "clutter_density")  # of a sensor with clutter

@@ -9,6 +9,7 @@ from typing import Any
 from aircraft.air import Air
 from sim.scenario.catalogue import completed
 from sim.scenario.plugins import Part
+from sim.scenario.recording.record_table import RecordTable
 from sim.scenario.tables import (
     AircraftChoice,
     AutopilotTable,
@@ -65,6 +66,7 @@ class Scenario:
     checks: tuple[Check, ...]
     study: StudyTable | None
     tables: dict[str, Any] = field(repr=False)  # the resolved file
+    record: RecordTable | None = None  # of the flight that was recorded; None = it is flown
     parts: tuple[Part, ...] = field(default=(), repr=False)  # kinds from outside that it names
 
     @property

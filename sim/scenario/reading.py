@@ -20,6 +20,9 @@ from sim.scenario.messages import faults_of, quantity, report_faults
 from sim.scenario.model import Scenario, TrackerChoice
 from sim.scenario.parameters import TrueShare, construct, dump, given_values, parameters
 from sim.scenario.plugins import Catalogue, catalogue_with, is_outside, said
+from sim.scenario.recording.places import located
+from sim.scenario.recording.plots_alone import faults_of_recordings, final_as_route, recorded
+from sim.scenario.recording.record_table import RecordTable
 from sim.scenario.schema import ROUTES, file_model, kind_of, owner_of, parts_of
 from sim.scenario.tables import (
     HIGHEST_FLIGHT,
@@ -64,6 +67,7 @@ def read(
     origin, tables = _load(source)
     for address, value in (overrides or {}).items():
         tables = override(tables, address, value)
+    tables = _with_runway(located(tables, Path()))
     return _build(origin, tables, catalogue, checks(tables) if checks is not None else [])
 
 
@@ -108,7 +112,21 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
     tables = parsed(origin, content)
     if not tables:
         raise ScenarioError(f"{origin}: says nothing; 'shortfinal new FILE.toml' writes a scenario to start from")
-    return origin, {"name": path.name.removesuffix(".toml").removesuffix(".scenario"), **tables}
+    return origin, {"name": path.name.removesuffix(".toml").removesuffix(".scenario"), **located(tables, path.parent)}
+
+
+def _with_runway(tables: dict[str, Any]) -> dict[str, Any]:
+    """The tables with the ``[runway]`` of the file that ``[record]`` names."""
+    record = tables.get("record")
+    file = record.get("runway") if isinstance(record, dict) else None
+    if not isinstance(file, str):
+        return tables
+    if "runway" in tables:
+        raise ScenarioError("[record] runway: a file is named, and the scenario has a [runway] itself; keep one")
+    runway = parsed(file, _content(Path(file), file)).get("runway")
+    if not isinstance(runway, dict) or "heading_deg" not in runway:
+        raise ScenarioError(f"{file}: needs a table [runway] with its course, heading_deg")
+    return {**tables, "runway": runway, "record": {key: value for key, value in record.items() if key != "runway"}}
 
 
 def parsed(origin: str, content: bytes) -> dict[str, Any]:
@@ -162,7 +180,11 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
     air_table = table("air", AirTable) or AirTable()
     air = Air(runway.elevation, air_table.kelvin, air_table.qnh)
     route_kind = kind_of(tables.get("route", {}), "pattern")
-    route = table("route", ROUTES[route_kind or "pattern"], functools.partial(_true_share, air))
+    record = table("record", RecordTable) if tables.get("record") is not None else None
+    if record is not None and "route" not in tables:
+        route = final_as_route(runway)
+    else:
+        route = table("route", ROUTES[route_kind or "pattern"], functools.partial(_true_share, air))
     mode = kind_of(tables.get("autopilot", {}), "lateral_navigation") or ""
     autopilot_table = {k: v for k, v in tables.get("autopilot", {}).items() if k != "law"}
     modes = _modes(faults, mode, tables.get("departures", []), catalogue)
@@ -193,9 +215,10 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         "name": tables["name"],
         "seed": tables.get("seed", DEFAULTS["seed"]),
         "flights": tables.get("flights", DEFAULTS["flights"]),
-        "draws": _draws(faults, tables),
+        "draws": _draws(faults, tables, sensors),
         "until": tables.get("until_s"),
         "runway": runway,
+        "record": record,
         "aircraft": table("aircraft", AircraftChoice),
         "start": table(
             "start", Start, functools.partial(_true_share, air, otherwise=_start_height(tables, route, runway))
@@ -224,7 +247,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         },
         "study": table("study", StudyTable) if tables.get("study") is not None else None,
     }
-    faults += _told_twice(scenario["contrasts"])
+    faults += [*_told_twice(scenario["contrasts"]), *faults_of_recordings(tables, record, sensors)]
     navigation = tables.get("autopilot", {}).get("navigation", "truth")
     if navigation != "truth" and navigation not in trackers:
         faults.append(
@@ -266,12 +289,19 @@ def _modes(faults: list[str], mode: str, departures: list[Any], catalogue: Catal
     return found
 
 
-def _draws(faults: list[str], tables: dict[str, Any]) -> int:
-    """Noise draws per flight: one where a tracker flies the aircraft, since its noise then shapes the flight."""
-    if tables.get("autopilot", {}).get("navigation", "truth") == "truth":
+def _draws(faults: list[str], tables: dict[str, Any], sensors: dict[str, Any]) -> int:
+    """Noise draws per flight: one where a tracker flies the aircraft, since its noise then shapes the flight.
+
+    One too where all plots are recorded, since there is no noise to draw.
+    """
+    if tables.get("autopilot", {}).get("navigation", "truth") != "truth":
+        why = "where a tracker navigates, because its noise shapes the flight; use 'flights'"
+    elif sensors and len(recorded(sensors)) == len(sensors):
+        why = "where all sensors are recorded, because every draw would see the same plots"
+    else:
         return int(tables.get("draws", DEFAULTS["draws"]))
     if tables.get("draws", 1) != 1:
-        faults.append("draws: must be 1 where a tracker navigates, because its noise shapes the flight; use 'flights'")
+        faults.append(f"draws: must be 1 {why}")
     return 1
 
 
@@ -341,7 +371,13 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
     """The file with every default written out, the user's own spellings kept."""
     out: dict[str, Any] = {key: built[key] for key in ("name", "seed", "flights", "draws")}
     out["until_s"] = built["until"]
+    absent: tuple[str, ...] = ()
+    if built["record"] is not None:  # it stands in their place
+        out["record"] = _completed(built["record"], tables["record"])
+        absent = ("aircraft", "start", *(() if "route" in tables else ("route",)))
     for name in ("runway", "air", "aircraft", "start", "route", "autopilot", "wind"):
+        if name in absent:
+            continue
         given = tables.get(name, {})
         kind = {"route": kind_of(given, "pattern"), "autopilot": built["mode"]}.get(name)
         law = {"law": given["law"]} if "law" in given else {}

@@ -15,6 +15,7 @@ from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import catalogue as bundled
 from sim.scenario.parameters import model_of
 from sim.scenario.plugins import BUNDLED, Catalogue
+from sim.scenario.recording.record_table import RecordTable
 from sim.scenario.tables import (
     AircraftChoice,
     AirTable,
@@ -109,6 +110,7 @@ def file_model(route: Any, autopilot: Any, wind: Any, sensors: Any, trackers: An
         until_s=(Annotated[float, Field(gt=0, le=1800, allow_inf_nan=False, strict=True)] | None, None),
         runway=(model_of(Runway), None),
         air=(model_of(AirTable), None),
+        record=(_optional(RecordTable), None),
         aircraft=(model_of(AircraftChoice), None),
         start=(model_of(Start), None),
         designed=(dict[str, Any] | None, Field(default=None, description=DESIGNED)),

@@ -1,0 +1,1 @@
+"""Flights that were recorded: ``unknown`` is one that only plots tell of."""

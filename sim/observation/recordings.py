@@ -1,0 +1,54 @@
+"""Sensors that recorded their looks, brought to a flight: nothing of a recording is left out without a word."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sim.errors import ScenarioError
+from sim.flight.record import Flight
+from sim.interchange.stamps import in_words
+from sim.observation.sensor import Recording
+
+
+def recordings(sensors: dict[str, Any]) -> dict[str, Recording]:
+    """What the sensors have recorded, of those that have."""
+    return {name: found for name, sensor in sensors.items() if (found := sensor.recording) is not None}
+
+
+def dated(flight: Flight, sensors: dict[str, Any]) -> dict[str, Any]:
+    """The sensors at the date of a flight.
+
+    Raises ``ScenarioError`` for a recording of which nothing falls into the flight and its roll-out.
+    """
+    found = {name: sensor.dated(flight.utc) for name, sensor in sensors.items()}
+    begin, end = float(flight.time[0]), float(flight.whole.time[-1])
+    for name, one in recordings(found).items():
+        if one.last <= begin or one.first > end:
+            since = flight.utc if one.dated and flight.utc is not None else 0.0
+            plots, flown = (
+                f"from {in_words(since + first, is_date)} to {in_words(since + last, is_date)}"
+                for first, last, is_date in (
+                    (one.first, one.last, one.dated), (begin, end, one.dated and flight.utc is not None)
+                )
+            )  # fmt: skip
+            at = "" if flight.utc is not None else " at no date"
+            raise ScenarioError(
+                f"[sensors.{name}] none of its {one.looks} plots, {plots}, falls into the flight{at}, {flown}"
+            )
+    return found
+
+
+def remarks(flight: Flight, sensors: dict[str, Any], seen: dict[str, int]) -> list[str]:
+    """One sentence for each recording that may be meant otherwise, or of which a part lies outside the flight.
+
+    ``seen`` says how many of its looks fell into the flight.
+    """
+    found = []
+    for name, one in recordings({name: sensor.dated(flight.utc) for name, sensor in sensors.items()}).items():
+        found += [f"sensor '{name}': {remark}" for remark in one.remarks]
+        if seen[name] < one.looks:
+            found.append(
+                f"sensor '{name}': {one.looks - seen[name]} of its {one.looks} plots lie outside the flight and are "
+                f"left out: they are from {one.first:.1f} s to {one.last:.1f} s of it"
+            )
+    return found
