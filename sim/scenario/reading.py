@@ -118,8 +118,7 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
 def _with_runway(tables: dict[str, Any]) -> dict[str, Any]:
     """The tables with the ``[runway]`` of the file that ``[record]`` names."""
     record = tables.get("record")
-    file = record.get("runway") if isinstance(record, dict) else None
-    if not isinstance(file, str):
+    if not isinstance(record, dict) or not isinstance(file := record.get("runway"), str):
         return tables
     if "runway" in tables:
         raise ScenarioError("[record] runway: a file is named, and the scenario has a [runway] itself; keep one")

@@ -1,9 +1,9 @@
 """How a track begins where nothing is known of the aircraft but its plots: from the first two of them.
 
 A value and its rate follow from two measurements v1, v2, made T apart with the errors of their R: v2 and (v2 - v1) / T,
-with the covariance [R2, R2 / T; R2 / T, (R1 + R2) / T^2] [Bar-Shalom, Li and Kirubarajan 2001, 5.5.3, from memory]. What
-the aircraft does between the two, a turn say, is in no R: a plot or two later it has been forgotten. An acceleration is
-taken for zero.
+with the covariance [R2, R2 / T; R2 / T, (R1 + R2) / T^2] [Bar-Shalom, Li and Kirubarajan 2001, 5.5.3, from memory].
+What the aircraft does between the two, a turn say, is in no R: it is small beside the errors of plots some seconds
+apart. An acceleration is taken for zero.
 """
 
 from __future__ import annotations

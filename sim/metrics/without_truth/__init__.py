@@ -1,1 +1,1 @@
-"""Figures of a track that need no truth: ``innovations`` of its plots, ``predicted`` plots, ``agreement`` of trackers."""
+"""Figures of tracks without a truth: ``innovations`` of plots, ``predicted`` plots, ``agreement`` of trackers."""

@@ -1,4 +1,4 @@
-"""Recorded plots of a radar, from a file: range and azimuth, or latitude and longitude, and a height where it has one."""
+"""Recorded plots, from a file: range and azimuth, or latitude and longitude, and a height where it has one."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class Recorded:
         """(k,) m above the threshold."""
         if self.plots.height is not None or self.plots.pressure_altitude is None:
             return self.plots.height
-        return self.plots.pressure_altitude - self.air.pressure_altitude(0.0)
+        return np.asarray(self.plots.pressure_altitude - self.air.pressure_altitude(0.0))
 
     @functools.cached_property
     def _z(self) -> np.ndarray:
