@@ -28,18 +28,7 @@ class Runway:
 
     def geodetic(self, north: Any, east: Any) -> tuple[Any, Any]:
         """(latitude, longitude), rad, by the radii of curvature of WGS 84 at the threshold."""
-        meridian, parallel = self._radii
-        return self.latitude + north / meridian, self.longitude + east / parallel
-
-    def local(self, latitude: Any, longitude: Any) -> tuple[Any, Any]:
-        """(north, east) m of a place, the inverse of `geodetic`; the shorter way round the earth."""
-        meridian, parallel = self._radii
-        around = (longitude - self.longitude + math.pi) % (2.0 * math.pi) - math.pi
-        return (latitude - self.latitude) * meridian, around * parallel
-
-    @property
-    def _radii(self) -> tuple[float, float]:
-        """m of the meridian's curvature, and of the parallel, at the threshold."""
         sine = math.sin(self.latitude)
         root = math.sqrt(1.0 - 6.69437999014e-3 * sine * sine)
-        return 6378137.0 * (1.0 - 6.69437999014e-3) / root**3, 6378137.0 * math.cos(self.latitude) / root
+        meridian = 6378137.0 * (1.0 - 6.69437999014e-3) / root**3
+        return self.latitude + north / meridian, self.longitude + east * root / (6378137.0 * math.cos(self.latitude))

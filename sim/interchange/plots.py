@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from aircraft.units import SUFFIXES
-from sim.interchange.stamps import Stamps, read_stamps
+from sim.interchange.clocks import Stamps, read_stamps
 
 TURN = 2.0 * math.pi
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from sim.errors import ScenarioError
 from sim.flight.record import Flight
-from sim.interchange.stamps import in_words
+from sim.interchange.clocks import in_words
 from sim.observation.sensor import Recording
 
 
