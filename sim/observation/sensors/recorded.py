@@ -16,6 +16,7 @@ from aircraft.air import Air
 from aircraft.runway import Runway as Place
 from aircraft.state import AircraftState
 from sim.files import read_bytes
+from sim.flight.recording.places import HIGHEST, LOWEST, STEP
 from sim.interchange.plots import Plots, read_plots
 from sim.observation.antenna import location, no_outline, place, polar, positive
 from sim.observation.sensor import Look, Recording
@@ -38,8 +39,11 @@ class Recorded:
     """Plots as they were recorded, the same in every draw; ``sim.interchange.plots`` says which columns it knows.
 
     Azimuths count from true north at the antenna, unless ``azimuth_zero`` says what course, from true north, its zero
-    has. A pressure altitude becomes a height by the QNH of the scenario; on a cold day the aircraft is lower. How
+    has. A pressure altitude becomes a height by the QNH and the temperature of the scenario. How
     accurate the plots are is stated, here or by columns of the file: nothing is taken for granted.
+
+    The plane is the one that touches the earth at the threshold: a place at a distance d from it lies d^2 / 2 earth radii
+    above it, 282 m at 60 km, which a slant range of that length takes for 0.7 m of ground.
     """
 
     file: str
@@ -108,7 +112,7 @@ class Recorded:
 
     @property
     def _place(self) -> Place:
-        return Place(self.runway.latitude, self.runway.longitude)
+        return Place(self.runway.latitude, self.runway.longitude, self.runway.elevation)
 
     @property
     def period(self) -> float:
@@ -136,7 +140,9 @@ class Recorded:
         """(k,) m above the threshold."""
         if self.plots.height is not None or self.plots.pressure_altitude is None:
             return self.plots.height
-        return np.asarray(self.plots.pressure_altitude - self.air.pressure_altitude(0.0))
+        heights = np.arange(LOWEST, HIGHEST, STEP)
+        altitudes = self.air.pressure_altitude(heights)
+        return np.interp(self.plots.pressure_altitude, altitudes, heights, left=np.nan, right=np.nan)
 
     @functools.cached_property
     def _z(self) -> np.ndarray:
@@ -145,7 +151,9 @@ class Recorded:
         if plots.range is not None and plots.azimuth is not None:
             columns = [plots.range, (plots.azimuth + math.pi) % (2.0 * math.pi) - math.pi]
         else:
-            columns = [*self._place.local(plots.latitude, plots.longitude)]
+            height = self._measured_height
+            level = 0.0 if height is None else np.where(np.isfinite(height), height, 0.0)
+            columns = [*self._place.local(plots.latitude, plots.longitude, level)]
         return np.column_stack([*columns, *(() if self._measured_height is None else (self._measured_height,))])
 
     @functools.cached_property
