@@ -61,7 +61,9 @@ def cleaned(rows: Rows) -> tuple[Rows, list[str]]:
     keep(possible, f"lie where nothing flies to, at more than {FASTEST:g} m/s, and are left out")
     distance = np.hypot(rows.north, rows.east)
     if len(distance) and distance.min() > FARTHEST:
-        raise ValueError(f"it never comes nearer to the threshold than {distance.min() / 1e3:.0f} km: another runway?")
+        raise ValueError(
+            f"it never comes nearer to the threshold than {distance.min() / 1e3:.0f} km: another runway?"
+        )
     keep(distance <= FARTHEST, f"lie beyond {FARTHEST / 1852.0:.0f} NM and are left out")
     rows = _piece(rows, told)
     keep(rows.time >= rows.time[-1] - LONGEST_FLIGHT, f"lie before the last {LONGEST_FLIGHT:.0f} s and are left out")

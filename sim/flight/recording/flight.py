@@ -63,7 +63,9 @@ def recorded_flight(track: TrackRecord, runway: Runway, air: Air | None = None, 
     leg = _leg(route, path)
     nothing = np.full(len(time), np.nan)
     command = Command(*(nothing,) * len(Command._fields))
-    return Flight(route, _state(path), command, leg, phase, PHASES, events, outcome, reason, utc=float(rows.time[0]))
+    return Flight(
+        route, _state(path), command, leg, phase, PHASES, events, outcome, reason, utc=float(rows.time[0])
+    )
 
 
 FINAL = 60_000.0  # m before the aiming point, where the final begins whose route nobody told
@@ -91,7 +93,9 @@ def _leg(route: Route, path: Path) -> np.ndarray:
     legs = np.array([(*leg.end, *leg.direction) for leg in route.legs])
     if len(legs) == 1:
         return np.zeros(len(path.time), int)
-    across = np.abs((path.position[1] - legs[:, 1:2]) * legs[:, 2:3] - (path.position[0] - legs[:, :1]) * legs[:, 3:])
+    across = np.abs(
+        (path.position[1] - legs[:, 1:2]) * legs[:, 2:3] - (path.position[0] - legs[:, :1]) * legs[:, 3:]
+    )
     found, current = [], 0
     for number in range(across.shape[1]):
         while current + 1 < len(legs) and across[current + 1, number] < across[current, number]:

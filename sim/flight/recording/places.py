@@ -38,7 +38,9 @@ def placed(track: TrackRecord, runway: Runway, air: Air) -> tuple[Rows, list[str
     told = []
     if known(track.pressure_altitude):
         heights = np.arange(LOWEST, HIGHEST, STEP)
-        height = np.interp(track.pressure_altitude, air.pressure_altitude(heights), heights, left=np.nan, right=np.nan)
+        height = np.interp(
+            track.pressure_altitude, air.pressure_altitude(heights), heights, left=np.nan, right=np.nan
+        )
     elif known(track.height):
         height = np.asarray(track.height) - runway.elevation
         told.append(

@@ -39,11 +39,11 @@ class Recorded:
     """Plots as they were recorded, the same in every draw; ``sim.interchange.plots`` says which columns it knows.
 
     Azimuths count from true north at the antenna, unless ``azimuth_zero`` says what course, from true north, its zero
-    has. A pressure altitude becomes a height by the QNH and the temperature of the scenario. How
-    accurate the plots are is stated, here or by columns of the file: nothing is taken for granted.
+    has. A pressure altitude becomes a height by the QNH and the temperature of the scenario. How accurate the plots
+    are is stated, here or by columns of the file: nothing is taken for granted.
 
-    The plane is the one that touches the earth at the threshold: a place at a distance d from it lies d^2 / 2 earth radii
-    above it, 282 m at 60 km, which a slant range of that length takes for 0.7 m of ground.
+    The earth is taken for the plane that touches it at the threshold, which lies d^2 / 2 earth radii above the ground
+    at a distance d. At 60 km that is 282 m, and an aircraft at 2000 m comes out 9 m too near.
     """
 
     file: str
@@ -142,7 +142,7 @@ class Recorded:
             return self.plots.height
         heights = np.arange(LOWEST, HIGHEST, STEP)
         altitudes = self.air.pressure_altitude(heights)
-        return np.interp(self.plots.pressure_altitude, altitudes, heights, left=np.nan, right=np.nan)
+        return np.asarray(np.interp(self.plots.pressure_altitude, altitudes, heights, left=np.nan, right=np.nan))
 
     @functools.cached_property
     def _z(self) -> np.ndarray:
