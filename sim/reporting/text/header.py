@@ -8,7 +8,7 @@ import numpy as np
 
 from aircraft.data import data
 from sim.flight import weather
-from sim.flight.record import Flight
+from sim.flight.record import UNKNOWN, Flight
 from sim.metrics import table
 from sim.metrics.flight import figure
 from sim.reporting.text.best_tracker import best_tracker
@@ -40,7 +40,7 @@ def first_screen(
         "why": (metrics["flight"].get("navigated") or {}).get("why"),
         "contrasted": contrasted or [],
         "winner": best_tracker(flight, metrics.get("trackers") or {}, followed, short=bool(contrasted)),
-        "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed"),
+        "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed", UNKNOWN),
         "failed": failed,
         "outcomes": _outcomes(metrics.get("flights_summary", {}).get("outcomes", {})),
         "warnings": metrics.get("warnings", []),
@@ -52,6 +52,8 @@ def _subtitle(scenario: Any, metrics: dict[str, Any], number: int) -> list[str]:
     """What was flown: aircraft, law, air, seed."""
     aircraft = scenario.aircraft
     parts = ["point mass" if aircraft.model == "point_mass" else data(aircraft.model).title]
+    if scenario.record is not None:
+        parts = ["recorded flight" if scenario.record.known else "recorded plots"]
     if aircraft.mass is not None:
         parts.append(f"{aircraft.mass / 1000:.1f} t")
     parts.append(f"law {words(scenario.mode)}, bank limit {np.degrees(scenario.autopilot.bank_limit):.0f} deg")

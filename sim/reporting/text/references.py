@@ -55,7 +55,7 @@ def what_ran(scenario: Any, law: Any) -> list[Any]:
     things: list[Any] = [law, scenario.route]
     if not scenario.law:
         things.append(law.designed)
-    if scenario.aircraft.model == "point_mass":
+    if scenario.aircraft.model == "point_mass" and scenario.record is None:
         things.append(PointMass)
     if scenario.wind.intensity > 0:
         things += [Turbulence, intensity, sigma_aloft]
