@@ -39,6 +39,7 @@ Data
       sets of it; ``designed`` - gains it brings along; ``parts`` - kinds from outside that are named
     - ``sensors``, ``trackers`` - by name; ``departures`` from the law, ``sensor_faults``; ``contrasts`` of trackers;
       ``checks``; ``study``
+    - ``record`` of a flight that is not flown, or None
     - ``tables`` - the resolved file itself, in its own spelling
 - `Prepared` - all that one flight needs, built once (sim.flight.preparation)
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state
@@ -50,7 +51,7 @@ Data
     - ``route`` that was to be flown; ``leg`` (k,) - index of the active one; ``deviation`` from it, of arrays (k,)
     - ``phase`` (k,) - index into ``phases``, their names; ``wind`` (3, k) m/s north, east, up
     - ``events`` - (time s, name, detail); ``outcome`` - landed, go_around, completed, ground, orbit, diverged, envelope
-      or time_limit; ``reason``, a sentence; ``gate_height`` m of the stabilised-approach gate, None = no landing
+      or time_limit, or unknown where only plots tell of it, ``known`` = False; ``reason``, a sentence; ``gate_height`` m of the stabilised-approach gate, None = no landing
     - ``rollout`` - from the landing to the stop, a `Flight` too (outcome stopped, excursion, time_limit or diverged),
       or None; ``whole`` - both as one record; ``utc`` s since 1970 at time 0, or None
 - `AircraftState` - one instant of motion, or a record of arrays (aircraft.state)

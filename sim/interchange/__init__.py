@@ -1,5 +1,5 @@
 """Formats of others, as plain arrays, in and out.
 
-``track_record`` is a recorded track as it lies in files, ``plots`` are recorded plots of a radar, ``clocks`` says when
-either was.
+``track_record`` is a recorded track as it lies in files, read by ``tracks`` from ``tables`` with known ``columns`` and
+``stamps``. ``plots`` are recorded plots of a radar, ``clocks`` says when they were made.
 """

@@ -8,6 +8,7 @@ from sim.errors import ScenarioError
 from sim.flight.record import Flight
 from sim.interchange.clocks import in_words
 from sim.observation.sensor import Recording
+from sim.scenario.catalogue import completed
 
 
 def recordings(sensors: dict[str, Any]) -> dict[str, Recording]:
@@ -20,7 +21,7 @@ def dated(flight: Flight, sensors: dict[str, Any]) -> dict[str, Any]:
 
     Raises ``ScenarioError`` for a recording of which nothing falls into the flight and its roll-out.
     """
-    found = {name: sensor.dated(flight.utc) for name, sensor in sensors.items()}
+    found = _at(flight, sensors)
     begin, end = float(flight.time[0]), float(flight.whole.time[-1])
     for name, one in recordings(found).items():
         if one.last <= begin or one.first > end:
@@ -44,7 +45,7 @@ def remarks(flight: Flight, sensors: dict[str, Any], seen: dict[str, int]) -> li
     ``seen`` says how many of its looks fell into the flight.
     """
     found = []
-    for name, one in recordings({name: sensor.dated(flight.utc) for name, sensor in sensors.items()}).items():
+    for name, one in recordings(_at(flight, sensors)).items():
         found += [f"sensor '{name}': {remark}" for remark in one.remarks]
         if seen[name] < one.looks:
             found.append(
@@ -52,3 +53,10 @@ def remarks(flight: Flight, sensors: dict[str, Any], seen: dict[str, int]) -> li
                 f"left out: they are from {one.first:.1f} s to {one.last:.1f} s of it"
             )
     return found
+
+
+def _at(flight: Flight, sensors: dict[str, Any]) -> dict[str, Any]:
+    """The sensors at the date of a flight; of a class that was never read from a scenario too."""
+    for sensor in sensors.values():
+        completed("sensors", type(sensor))
+    return {name: sensor.dated(flight.utc) for name, sensor in sensors.items()}

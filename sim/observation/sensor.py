@@ -273,7 +273,7 @@ def broken_promises(cls: type, make: Callable[[], Any]) -> list[str]:
     except Exception as error:
         return [f"it cannot be made with its example or its defaults: {_said(error)}"]
     broken: list[str] = []
-    for promises in (_named, _placed, _true, _outlined, _watched):
+    for promises in (_named, _placed, _true, _outlined, _recorded, _watched):
         try:
             broken += promises(sensor)
         except Exception as error:
@@ -340,6 +340,14 @@ def _outlined(sensor: Any) -> Iterator[str]:
         yield "outline must be a tuple of at least three (north, east) in m, or ()"
 
 
+def _recorded(sensor: Any) -> Iterator[str]:
+    found = ask(sensor, "recording")
+    if not (found is None or (isinstance(found, Recording) and found.looks > 0 and found.first <= found.last)):
+        yield f"recording must be None, or a sim.observation.sensor.Recording of at least one look, not {found!r}"
+    if type(ask(sensor, "dated", None)) is not type(sensor):
+        yield "dated gives no sensor of its kind"
+
+
 def _watched(sensor: Any) -> Iterator[str]:
     records = _approach()
     looks = _looks(sensor, records, DRAWS)
@@ -352,7 +360,7 @@ def _watched(sensor: Any) -> Iterator[str]:
     if (np.diff(epochs) <= 0.0).any():
         yield "step does not give its looks in the order of their epochs"
     turns = epochs / sensor.period
-    if (np.abs(turns - np.round(turns)) > 1e-6).any():
+    if (np.abs(turns - np.round(turns)) > 1e-6).any() and sensor.recording is None:
         yield "step gives looks at other times than multiples of 'period' after the beginning"
     for _, _, look in looks:
         _check(sensor, look)

@@ -13,6 +13,7 @@ from aircraft.state import AircraftState
 from sim.flight.interpolation import position_at, state_at
 from sim.observation.antenna import inside, sector
 from sim.observation.sensor import MEMBERS, QUANTITIES, broken_promises, quantity_of
+from sim.scenario import catalogue
 from sim.scenario.tables import Runway
 
 TEXT = (Path(__file__).resolve().parents[2] / "parts" / "doppler_radar.py").read_text()
@@ -28,7 +29,10 @@ def broken(tmp_path, before, after, **fields):
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
-        return broken_promises(module.DopplerRadar, lambda: module.DopplerRadar(runway=Runway(), **fields))
+        cls = module.DopplerRadar
+        if isinstance(cls, type):
+            catalogue.completed("sensors", cls)
+        return broken_promises(cls, lambda: cls(runway=Runway(), **fields))
     finally:
         del sys.modules[name]
 
