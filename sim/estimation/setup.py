@@ -18,6 +18,7 @@ from sim.observation.sensor import unplaced
 from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
 from sim.scenario.plugins import is_outside, said
+from sim.scenario.recording.plots_alone import NOTHING_KNOWN
 from tracking.contract import missing_members
 from tracking.height_profile import ChartedHeight, HeightProfile, MeasuredHeight
 from tracking.measurement import DebiasedPolar, LinearMeasurement, MeasurementModel, Stacked
@@ -175,6 +176,9 @@ def check(prepared: Prepared, own: dict[str, Any] | None = None) -> None:
 
     ``own`` are trackers of the caller by name.
     """
+    record = prepared.scenario.record
+    if record is not None and not record.known and not prepared.scenario.sensors:
+        raise ScenarioError(f"{prepared.scenario.name}: {NOTHING_KNOWN}")
     for name, sensor in prepared.scenario.sensors.items():
         for sentence in unplaced(sensor):
             raise ScenarioError(f"[sensors.{name}] {sentence}")

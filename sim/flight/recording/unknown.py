@@ -9,7 +9,9 @@ import numpy as np
 
 from aircraft.state import AircraftState, Command
 from autopilot.route import Route
+from sim.errors import ScenarioError
 from sim.flight.record import UNKNOWN, Flight
+from sim.scenario.recording.plots_alone import NOTHING_KNOWN
 
 REASON = "no truth: figures from the plots alone"
 
@@ -25,7 +27,11 @@ def unknown_flight(route: Route, sensors: dict[str, Any], until: float | None = 
     route : as it is told to trackers that know one
     sensors : that recorded their looks
     until : s after its begin, where it is to end earlier
+
+    Raises ``ScenarioError`` where there is no sensor.
     """
+    if not sensors:
+        raise ScenarioError(NOTHING_KNOWN)
     dates = [one.recording.first for one in sensors.values() if one.recording.dated]
     utc = float(_second_before(min(dates))) if dates else None
     found = [one.dated(utc).recording for one in sensors.values()]

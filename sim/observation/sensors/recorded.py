@@ -22,6 +22,7 @@ from sim.observation.antenna import location, no_outline, place, polar, positive
 from sim.observation.sensor import Look, Recording
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
+from tracking.measurement import wrap
 
 EXAMPLE = Path(__file__).with_suffix(".csv")  # made up: a radar 2 km right of the threshold sees a final approach
 SIGMAS = ("range", "azimuth", "height", "position")
@@ -149,7 +150,8 @@ class Recorded:
         """(k, m) channels."""
         plots = self.plots
         if plots.range is not None and plots.azimuth is not None:
-            columns = [plots.range, (plots.azimuth + math.pi) % (2.0 * math.pi) - math.pi]
+            azimuth = plots.azimuth
+            columns = [plots.range, np.where(np.abs(azimuth) > math.pi, wrap(azimuth), azimuth)]
         else:
             height = self._measured_height
             level = 0.0 if height is None else np.where(np.isfinite(height), height, 0.0)

@@ -11,6 +11,10 @@ from sim.scenario.tables import LegsTable, LegTable, Runway
 # The final course that stands for a route where none is told: an airliner's final, as a radar sees most of it.
 FINAL, SPEED, HEIGHT = 40e3, 75.0, 1000.0  # m, m/s, m
 TRACKERS = "trackers."
+NOTHING_KNOWN = (
+    "[record] names no file, so there is no flight to see: name one, or give the plots that were made of it, "
+    '[sensors.NAME] kind = "recorded"'
+)
 
 
 def final_as_route(runway: Runway) -> LegsTable:
@@ -43,11 +47,6 @@ def faults_of_recordings(tables: dict[str, Any], record: RecordTable | None, sen
 
 def _unknown_flight(tables: dict[str, Any], sensors: dict[str, Any], plots: list[str]) -> Iterator[str]:
     """Faults of a scenario that knows no flight."""
-    if not plots:
-        yield (
-            "[record] names no file, so there is no flight to see: name one, or give the plots that were made of it, "
-            '[sensors.NAME] kind = "recorded"'
-        )
     for name, sensor in sensors.items():
         if plots and sensor is not None and name not in plots:
             yield f"[sensors.{name}] sees a flight, and [record] names none: only recorded plots can be tracked"

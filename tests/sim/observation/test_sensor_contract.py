@@ -55,7 +55,7 @@ FAULTS = {
     "gives_place is True, and channels have neither": ("= False, 0.0, None", "= True, 0.0, None"),
     "gives_place must be True or False": ("= False, 0.0, None", "= 'no', 0.0, None"),
     "zero_azimuth must be a number": ("= False, 0.0, None", "= False, 0.0, 'north'"),
-    "clutter must be a number of at least 0": ("= False, 0.0, None", "= False, None, None"),
+    "clutter must be a number of at least 0": ("= False, 0.0, None", "= False, -1.0, None"),
     "it has clutter and no 'detection'": ("= False, 0.0, None", "= False, 1.0, None"),
     "zero_azimuth is None, and azimuth": ('("range", "range_rate")  #', '("range", "azimuth")  #'),
     "truth of one state has the shape (3,), not (2,)": ("np.stack((slant,", "np.stack((slant, slant,"),
