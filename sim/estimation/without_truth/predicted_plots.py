@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from sim.estimation.without_truth.places import Places
 from sim.metrics.without_truth.predicted import Predicted
 from tracking.gaussian import Mixture, merge
 from tracking.track import Epoch, believed, stepped
+from tracking.tree import side_by_side
 
 INSTANTS = 40  # from which is looked ahead: errors of one track are correlated, and more would say little more
 NEAR = 0.1  # of the span, by which a plot may be early or late
@@ -35,41 +37,57 @@ class PredictedPlots:
 
     def looks(self) -> list[dict[str, Predicted]]:
         """Of each tracker, by span; none for one that knows no place."""
-        channels = self.trackers[0].channels
+        channels, draws = self.trackers[0].channels, self.plots.place.shape[2]
         if not {"north", "east"} <= {*channels}:
             return [{} for _ in self.trackers]
         rows = [channels.index("north"), channels.index("east")]
-        tracker = stack_laws(self.trackers, self.plots.place.shape[2])
-        found: dict[str, list[tuple[Any, Any]]] = {}
-        for time, kept in self.kept.items():
-            state, done = kept, time
-            for span in SPANS:
-                row = self._plot(time + span, span)
-                if row is None:
-                    continue
-                later = float(self.plots.time[row])
-                state, _ = stepped(tracker, state, later - done)
-                done = later
+        found: list[dict[str, list[tuple[Any, Any]]]] = [{} for _ in self.trackers]
+        for times, state in self._groups():
+            tracker, done = stack_laws(self.trackers * len(times), draws), 0.0
+            for span, ahead in self._ahead(times[0]).items():
+                state, _ = stepped(tracker, state, ahead - done)
+                done = ahead
                 estimate = believed(tracker, state)
                 mean, cov = merge(estimate) if isinstance(estimate, Mixture) else estimate
-                times = len(self.trackers)
-                place, spread = (np.concatenate([one[row]] * times, axis=-1) for one in self.plots[1:])
-                shared = cov if np.ndim(cov) == 3 else cov[..., None]
-                found.setdefault(f"{span:.0f}_s", []).append((mean[rows] - place, shared[np.ix_(rows, rows)] + spread))
-        return [self._of(place, found) for place in range(len(self.trackers))]
+                shape = (len(times), len(self.trackers), draws)
+                cov = cov if np.ndim(cov) == 3 else cov[..., None]
+                mean = np.broadcast_to(mean[rows], (2, math.prod(shape))).reshape(2, *shape)
+                cov = np.broadcast_to(cov[np.ix_(rows, rows)], (2, 2, math.prod(shape))).reshape(2, 2, *shape)
+                for place, time in enumerate(times):
+                    row = int(np.argmin(np.abs(self.plots.time - (time + ahead))))
+                    for number, own in enumerate(found):
+                        error = mean[:, place, number] - self.plots.place[row]
+                        spread = cov[:, :, place, number] + self.plots.cov[row]
+                        own.setdefault(f"{span:.0f}_s", []).append((error, spread))
+        return [
+            {span: Predicted(*map(np.stack, zip(*pairs, strict=True))) for span, pairs in own.items()} for own in found
+        ]
 
-    def _plot(self, time: float, span: float) -> int | None:
-        """The plot nearest to a time; None = there is none near."""
-        if not len(self.plots.time):
-            return None
-        row = int(np.argmin(np.abs(self.plots.time - time)))
-        return row if abs(float(self.plots.time[row]) - time) <= NEAR * span else None
+    def _groups(self) -> list[tuple[list[float], Any]]:
+        """Epochs from which later plots are as far ahead, and the state that holds them side by side.
 
-    def _of(self, place: int, found: dict[str, list[tuple[Any, Any]]]) -> dict[str, Predicted]:
-        """The predictions of one tracker of the batch."""
-        draws = self.plots.place.shape[2]
-        own = slice(place * draws, (place + 1) * draws)
-        return {
-            span: Predicted(*(np.stack([part[..., own] for part in parts]) for parts in zip(*pairs, strict=True)))
-            for span, pairs in found.items()
-        }
+        A prediction costs by its steps and hardly by its runs. A state that cannot be put side by side stands alone.
+        """
+        alike: dict[tuple[float, ...], list[float]] = {}
+        for time in self.kept:
+            alike.setdefault(tuple(self._ahead(time).values()), []).append(time)
+        groups: list[tuple[list[float], Any]] = []
+        for times in alike.values():
+            states = [self.kept[time] for time in times]
+            try:
+                if not type(self.trackers[0]).__module__.startswith(("tracking.", "sim.")):
+                    raise TypeError("a number in the state of a caller's tracker need not take one value for each draw")
+                groups.append((times, side_by_side(states, self.plots.place.shape[2] * len(self.trackers))))
+            except TypeError:
+                groups += [([time], state) for time, state in zip(times, states, strict=True)]
+        return groups
+
+    def _ahead(self, time: float) -> dict[float, float]:
+        """How far ahead of an epoch the plot is that is nearest to each span, s; none where there is none near."""
+        found = {}
+        for span in SPANS if len(self.plots.time) else ():
+            apart = self.plots.time - time
+            nearest = float(apart[np.argmin(np.abs(apart - span))])
+            if abs(nearest - span) <= NEAR * span:
+                found[span] = round(nearest, 6)
+        return found
