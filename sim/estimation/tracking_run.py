@@ -262,9 +262,7 @@ def _watched(watch: Watch, entry: Entry, made: Track) -> dict[str, Any]:
     """What tests on a track found."""
     seen = CONFORMANCE.watch(entry.tracker, made)
     return {
-        "conformance": conformance.figures(
-            seen, watch.prepared.departure, flown=watch.prepared.scenario.record is None
-        ),
+        "conformance": conformance.figures(seen, watch.prepared.departure, watch.flight.is_recorded),
         "monitor": monitoring.figures(made, watch.prepared.fault(entry.sensors)),
     }
 

@@ -1,5 +1,6 @@
 """Formats of others, as plain arrays, in and out.
 
-``track_record`` is a recorded track as it lies in files, read by ``tracks`` from ``tables`` with known ``columns`` and
-``stamps``. ``plots`` are recorded plots of a radar, ``clocks`` says when they were made.
+``track_record`` is a recorded track as it lies in files, ``tracks`` reads a file of them: ``tables`` gives its columns,
+``columns`` says which of ours they are and in which units, ``stamps`` reads times and numbers. ``plots`` are recorded
+plots of a radar, ``clocks`` says when they were made.
 """

@@ -14,7 +14,7 @@ SCALES = (1.0, 1e-3, 1e-6, 1e-9)  # of what counts since 1970
 YEAR = 3e7  # s: a count of less since 1970 is a time of day, or of the recording
 
 
-def numbers(cells: Sequence[Any]) -> np.ndarray:
+def numbers(cells: Sequence[Any] | np.ndarray) -> np.ndarray:
     """(k,) numbers of cells as they stand in a file; NaN for an empty cell, and for what is no number."""
     if isinstance(cells, np.ndarray):
         return cells
@@ -31,7 +31,7 @@ def _number(text: str | None) -> float:
         return math.nan
 
 
-def stamps(cells: Sequence[Any]) -> np.ndarray:
+def stamps(cells: Sequence[Any] | np.ndarray) -> np.ndarray:
     """(k,) of time stamps: s since 1970 of a date, numbers as they stand. A date without a zone is in UTC."""
     if isinstance(cells, np.ndarray):
         return cells

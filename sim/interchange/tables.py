@@ -21,7 +21,8 @@ WIDEST, LONGEST = 256, 1000  # columns; characters of a cell
 ROWS = 50_000  # that are in memory as text
 SEPARATORS = ",;\t|"
 PARQUET = b"PAR1"  # how such a file begins
-Chunks = Iterator[Sequence[Sequence[Any]]]
+Cells = Sequence[Any] | np.ndarray
+Chunks = Iterator[Sequence[Cells]]
 
 
 @contextlib.contextmanager
@@ -112,7 +113,7 @@ def _parquet(path: Path, file: BinaryIO) -> Iterator[tuple[list[str], Callable[[
     yield names, chunks
 
 
-def _plain(column: Any) -> Sequence[Any]:
+def _plain(column: Any) -> Cells:
     """A column of Parquet."""
     from pyarrow import types
 

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from sim.errors import ScenarioError, did_you_mean
 from sim.interchange.columns import NEEDED, QUANTITIES, Column, recognised
 from sim.interchange.stamps import numbers, since_1970, stamps
-from sim.interchange.tables import table_of
+from sim.interchange.tables import Cells, table_of
 from sim.interchange.track_record import TrackRecord
 
 NEW_FLIGHT = 1800.0  # s; an aircraft without flight ids that is not seen for longer has landed and taken off again
 MOST_FLIGHTS = 20_000  # of one file
 FARTHEST = {"latitude": np.pi / 2.0, "longitude": 2.0 * np.pi}  # rad
 FASTEST = {"ground_speed": 1000.0, "vertical_rate": 300.0}  # m/s
+GROUPED = ("flight", "aircraft", "callsign")  # what tells flights apart, the first that a file has
 TEXTS = tuple(name for name, unit in QUANTITIES.items() if unit == "")
 
 
@@ -70,7 +70,7 @@ def _read(path: Path, told: Mapping[str, str] | None) -> tuple[dict[str, list[st
     return {quantity: [*known] for quantity, known in texts.items()}, table
 
 
-def _column(quantity: str, column: Column, cells: Sequence[Any], texts: dict[str, dict[str, int]]) -> np.ndarray:
+def _column(quantity: str, column: Column, cells: Cells, texts: dict[str, dict[str, int]]) -> np.ndarray:
     if quantity == "time":
         return stamps(cells)
     if quantity not in TEXTS:
@@ -91,18 +91,17 @@ def _refuse_wild(quantity: str, column: Column, values: np.ndarray, most: float)
     if wild.sum() > 0.5 * known:
         extreme = float(np.max(np.abs(values[wild]))) / column.factor
         raise ValueError(
-            f"its column '{column.name}' reaches {extreme:g}, which is no {quantity.replace('_', ' ')} in its unit; tell "
-            "the unit in [record.columns]"
+            f"its column '{column.name}' reaches {extreme:g}, which is no {quantity.replace('_', ' ')} in its unit; "
+            "tell the unit in [record.columns]"
         )
     values[wild] = np.nan
 
 
 def _flights(stem: str, names: dict[str, list[str]], table: dict[str, np.ndarray]) -> Iterator[tuple[str, TrackRecord]]:
     """Name and record of each flight."""
-    by = next((quantity for quantity in ("flight", "aircraft", "callsign") if (table.get(quantity, -1) >= 0).any()
-               ), None) if any(names.values()) else None  # fmt: skip
+    by = next((quantity for quantity in GROUPED if quantity in table and (table[quantity] >= 0).any()), None)
     if by is None:
-        yield from ((name, record) for name, record in [(stem, _record(stem, table, np.arange(len(table["time"]))))])
+        yield stem, _record(stem, table, np.arange(len(table["time"])))
         return
     code = table[by]
     order = np.argsort(code, kind="stable")

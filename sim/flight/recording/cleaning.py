@@ -61,9 +61,7 @@ def cleaned(rows: Rows) -> tuple[Rows, list[str]]:
     keep(possible, f"lie where nothing flies to, at more than {FASTEST:g} m/s, and are left out")
     distance = np.hypot(rows.north, rows.east)
     if len(distance) and distance.min() > FARTHEST:
-        raise ValueError(
-            f"it never comes nearer to the threshold than {distance.min() / 1e3:.0f} km: another runway?"
-        )
+        raise ValueError(f"it never comes nearer to the threshold than {distance.min() / 1e3:.0f} km: another runway?")
     keep(distance <= FARTHEST, f"lie beyond {FARTHEST / 1852.0:.0f} NM and are left out")
     rows = _piece(rows, told)
     keep(rows.time >= rows.time[-1] - LONGEST_FLIGHT, f"lie before the last {LONGEST_FLIGHT:.0f} s and are left out")
@@ -123,8 +121,8 @@ def _piece(rows: Rows, told: list[str]) -> Rows:
     if not flown:
         span = float(np.ptp(rows.time)) if len(rows.time) else 0.0
         raise ValueError(
-            f"{len(rows.time)} rows over {span:.0f} s are no flight: it takes {FEWEST} rows over {SHORTEST:g} s without "
-            f"a gap of more than {LONGEST_GAP:g} s, at {AIRBORNE:g} m/s or more"
+            f"{len(rows.time)} rows over {span:.0f} s are no flight: it takes {FEWEST} rows over {SHORTEST:g} s "
+            f"without a gap of more than {LONGEST_GAP:g} s, at {AIRBORNE:g} m/s or more"
         )
     chosen = min(flown, key=lambda piece: math.hypot(piece.north[-1], piece.east[-1]))
     if len(pieces) > 1:

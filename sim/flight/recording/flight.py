@@ -17,6 +17,7 @@ from sim.flight.recording.phases import ESTABLISHED, GROUND, PHASES, bank_of, ph
 from sim.flight.recording.places import placed
 from sim.flight.recording.smoothing import Path, resampled, smoothed
 from sim.interchange.track_record import TrackRecord
+from sim.scenario.recording.table import final
 from sim.scenario.tables import Runway
 
 REMARK = "remark"  # the event that tells what was done to the record
@@ -33,7 +34,7 @@ def recorded_flight(track: TrackRecord, runway: Runway, air: Air | None = None, 
     Parameters
     ----------
     air : by which pressure altitudes become heights; None = the standard atmosphere, QNH 1013.25 hPa
-    route : its deviations are of; None = the final, `final_leg`
+    route : its deviations are of; None = the final, `final_route`
 
     Raises ``ScenarioError``, one sentence, for a track that is no flight to this runway.
     """
@@ -50,12 +51,16 @@ def recorded_flight(track: TrackRecord, runway: Runway, air: Air | None = None, 
     stopped = np.flatnonzero((phase == GROUND) & (np.hypot(path.velocity[0], path.velocity[1]) < TAXIING))
     if stopped.size:
         path, phase = Path(*(part[..., : stopped[0]] for part in path)), phase[: stopped[0]]
-    route = Route((final_leg(runway),)) if route is None else route
-    told = (*track.remarks, *assumed, *dropped, *wild, *notes(path, phase, runway, air, accuracy))
+    route = final_route(runway) if route is None else route
+    told = (*track.remarks, *assumed, *dropped, *wild, *notes(path, phase, runway, air))
     outcome, reason = _ending(path, phase, runway)
     time = path.time
     changes = (0, *(np.flatnonzero(np.diff(phase)) + 1))
+    accurate = (
+        f"{accuracy.along:.1f} m along the track, {accuracy.across:.1f} m across, {accuracy.height:.1f} m in height"
+    )
     events = (
+        Event(0.0, "recorded", f"places scattered by {accurate} before they were smoothed"),
         *(Event(0.0, REMARK, sentence) for sentence in told),
         *(Event(float(time[i]), PHASES[phase[i]]) for i in changes),
         Event(float(time[-1]), outcome, reason),
@@ -63,19 +68,13 @@ def recorded_flight(track: TrackRecord, runway: Runway, air: Air | None = None, 
     leg = _leg(route, path)
     nothing = np.full(len(time), np.nan)
     command = Command(*(nothing,) * len(Command._fields))
-    return Flight(
-        route, _state(path), command, leg, phase, PHASES, events, outcome, reason, utc=float(rows.time[0])
-    )
+    return Flight(route, _state(path), command, leg, phase, PHASES, events, outcome, reason, utc=float(rows.time[0]))
 
 
-FINAL = 60_000.0  # m before the aiming point, where the final begins whose route nobody told
-FINAL_SPEED, FINAL_HEIGHT = 82.3, 914.4  # m/s and m: 160 kt and 3000 ft, as an approach is usually cleared
-
-
-def final_leg(runway: Runway) -> Leg:
-    """The extended centreline to the aiming point."""
-    start, end = (runway.to_local(runway.aiming_point - before, 0.0) for before in (FINAL, 0.0))
-    return Leg(start, end, FINAL_SPEED, FINAL_HEIGHT)
+def final_route(runway: Runway) -> Route:
+    """The extended centreline, as a route."""
+    (leg,) = final(runway).legs
+    return Route((Leg(leg.from_, leg.to, leg.speed, leg.height),))
 
 
 def _state(path: Path) -> AircraftState:
@@ -93,9 +92,7 @@ def _leg(route: Route, path: Path) -> np.ndarray:
     legs = np.array([(*leg.end, *leg.direction) for leg in route.legs])
     if len(legs) == 1:
         return np.zeros(len(path.time), int)
-    across = np.abs(
-        (path.position[1] - legs[:, 1:2]) * legs[:, 2:3] - (path.position[0] - legs[:, :1]) * legs[:, 3:]
-    )
+    across = np.abs((path.position[1] - legs[:, 1:2]) * legs[:, 2:3] - (path.position[0] - legs[:, :1]) * legs[:, 3:])
     found, current = [], 0
     for number in range(across.shape[1]):
         while current + 1 < len(legs) and across[current + 1, number] < across[current, number]:

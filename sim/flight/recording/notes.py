@@ -1,4 +1,4 @@
-"""What a reader should know of a recorded flight besides its motion: how accurate it is, and what does not fit."""
+"""What of a recorded flight does not fit its runway, or the pressure of the day."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from aircraft.air import HIGHEST_QNH, LOWEST_QNH, Air
 from sim.flight.recording.phases import ESTABLISHED, GROUND
-from sim.flight.recording.smoothing import Accuracy, Path
+from sim.flight.recording.smoothing import Path
 from sim.scenario.tables import Runway
 
 OFF_PATH = 30.0  # m, that a flight on the line may be off the glide path in the middle before it is worth a word
@@ -17,12 +17,8 @@ STEADY = math.radians(1.0)  # within which a slope is that of the glide path
 PER_PASCAL = 0.0843  # m of height for a pascal of pressure at sea level
 
 
-def notes(path: Path, phase: np.ndarray, runway: Runway, air: Air, accuracy: Accuracy) -> Iterator[str]:
-    """Sentences."""
-    yield (
-        f"the record's places are accurate to {accuracy.along:.1f} m along the track and {accuracy.across:.1f} m "
-        "across it, before they were smoothed"
-    )
+def notes(path: Path, phase: np.ndarray, runway: Runway, air: Air) -> Iterator[str]:
+    """What does not fit, in sentences."""
     established = (phase >= ESTABLISHED) & (phase < GROUND)
     if not (phase >= ESTABLISHED).any():
         yield "it is never established on the line of the runway: is it this runway, and its course right?"
@@ -38,6 +34,6 @@ def notes(path: Path, phase: np.ndarray, runway: Runway, air: Air, accuracy: Acc
     fitting = air.qnh - off / PER_PASCAL
     hint = f", which a QNH of {fitting / 100.0:.0f} hPa would mend" if LOWEST_QNH <= fitting <= HIGHEST_QNH else ""
     yield (
-        f"it descends along the glide path, but {abs(off):.0f} m {'above' if off > 0.0 else 'below'} it: heights are by "
-        f"a QNH of {air.qnh / 100.0:.0f} hPa and an elevation of {runway.elevation:.0f} m{hint}"
+        f"it descends along the glide path, but {abs(off):.0f} m {'above' if off > 0.0 else 'below'} it: heights are "
+        f"by a QNH of {air.qnh / 100.0:.0f} hPa and an elevation of {runway.elevation:.0f} m{hint}"
     )

@@ -7,8 +7,8 @@
 - established: on the line to the end, from when it is first within `NEAR` metres of it and `ON_COURSE` of its course
   and leaves `LEFT` and `OFF_COURSE` no more before the threshold.
 - glide: established, and near the glide path to the end: within half its needle, `HALF_SCALE`, and `LEAST` metres.
-- ground: past the threshold on the runway, from where it sinks no more, `LEVELLED`, unless it climbs away again. Heights
-  are not trusted to a few metres, so it is the end of the sink that counts.
+- ground: past the threshold on the runway, from where it sinks no more, `LEVELLED`, unless it climbs away again.
+  Heights are not trusted to a few metres, so it is the end of the sink that counts.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def phases_of(path: Path, runway: Runway) -> np.ndarray:
 
 
 def _intercept(path: Path, off_course: np.ndarray, since: int) -> int:
-    """Where the last straight stretch before ``since`` ends that led towards the line; ``since`` where there is none."""
+    """Where the last straight stretch before ``since`` ends that led to the line; ``since`` where there is none."""
     if not (off_course[:since] > ON_COURSE).any():
         return since
     width = max(1, round(STRAIGHT / (path.time[1] - path.time[0])))

@@ -36,13 +36,11 @@ def placed(track: TrackRecord, runway: Runway, air: Air) -> tuple[Rows, list[str
     Raises ``ValueError`` for a track without any height.
     """
     told = []
-    if known(track.pressure_altitude):
+    if track.pressure_altitude is not None and np.isfinite(track.pressure_altitude).any():
         heights = np.arange(LOWEST, HIGHEST, STEP)
-        height = np.interp(
-            track.pressure_altitude, air.pressure_altitude(heights), heights, left=np.nan, right=np.nan
-        )
-    elif known(track.height):
-        height = np.asarray(track.height) - runway.elevation
+        height = np.interp(track.pressure_altitude, air.pressure_altitude(heights), heights, left=np.nan, right=np.nan)
+    elif track.height is not None and np.isfinite(track.height).any():
+        height = track.height - runway.elevation
         told.append(
             "heights are geometric ones, for want of a pressure altitude: counted from the ellipsoid, as GPS does, "
             "they are off by the height of the geoid, up to 100 m"
@@ -55,8 +53,3 @@ def placed(track: TrackRecord, runway: Runway, air: Air) -> tuple[Rows, list[str
         inside = (np.abs(track.latitude) <= np.pi / 2.0) & (np.abs(track.longitude) <= 2.0 * np.pi)
         north, east = threshold.local(track.latitude, track.longitude, level)
     return Rows(track.time, np.where(inside, north, np.nan), np.where(inside, east, np.nan), height), told
-
-
-def known(column: np.ndarray | None) -> bool:
-    """Whether a column of a track says anything."""
-    return column is not None and bool(np.isfinite(column).any())

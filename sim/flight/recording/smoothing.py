@@ -7,6 +7,7 @@ is foretold by its four neighbours.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -116,10 +117,10 @@ def accuracy_of(rows: Rows) -> Accuracy:
     residual, scale = _foretold(rows)
     along = _direction(rows)
     turned = (along[0] * residual[0] + along[1] * residual[1], along[0] * residual[1] - along[1] * residual[0])
-    sigmas = (max(NORMAL * float(np.median(np.abs(part) / scale)), LEAST_SIGMA) for part in turned)
+    along_sigma, across_sigma = (max(NORMAL * float(np.median(np.abs(part) / scale)), LEAST_SIGMA) for part in turned)
     steps = np.diff(np.unique(rows.height[np.isfinite(rows.height)].round(3)))
     step = float(steps.min()) if steps.size else 0.0
-    return Accuracy(*sigmas, max(step / np.sqrt(12.0), LEAST_HEIGHT_SIGMA))
+    return Accuracy(along_sigma, across_sigma, max(step / math.sqrt(12.0), LEAST_HEIGHT_SIGMA))
 
 
 def _tame(rows: Rows) -> tuple[Rows, list[str]]:
@@ -164,7 +165,7 @@ def _direction(rows: Rows) -> np.ndarray:
     after = np.minimum(np.arange(len(rows.time)) + 2, len(rows.time) - 1)
     before = np.maximum(np.arange(len(rows.time)) - 2, 0)
     way = np.array([column[after] - column[before] for column in (rows.north, rows.east)])
-    return way / np.maximum(np.hypot(*way), 1e-9)
+    return np.asarray(way / np.maximum(np.hypot(*way), 1e-9))
 
 
 def resampled(path: Path, time: np.ndarray) -> Path:

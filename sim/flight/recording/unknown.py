@@ -9,14 +9,14 @@ import numpy as np
 
 from aircraft.state import AircraftState, Command
 from autopilot.route import Route
-from sim.errors import ScenarioError
 from sim.flight.record import UNKNOWN, Flight
 from sim.scenario.recording.plots_alone import NOTHING_KNOWN
 
 REASON = "no truth: figures from the plots alone"
+FINAL_TAKEN = "trackers that follow one, and ranges without a height, take the extended centreline and its glide path"
 
 
-def unknown_flight(route: Route, sensors: dict[str, Any], until: float | None = None) -> Flight:
+def unknown_flight(route: Route, sensors: dict[str, Any]) -> Flight:
     """The flight behind recorded plots, from the whole second before the first to the last of them.
 
     Its record has two instants, the begin and the end. Where the stamps of any sensor are dates, its time 0 is the
@@ -26,18 +26,16 @@ def unknown_flight(route: Route, sensors: dict[str, Any], until: float | None = 
     ----------
     route : as it is told to trackers that know one
     sensors : that recorded their looks
-    until : s after its begin, where it is to end earlier
 
-    Raises ``ScenarioError`` where there is no sensor.
+    Raises ``ValueError`` where there is no sensor.
     """
     if not sensors:
-        raise ScenarioError(NOTHING_KNOWN)
+        raise ValueError(NOTHING_KNOWN)
     dates = [one.recording.first for one in sensors.values() if one.recording.dated]
     utc = float(_second_before(min(dates))) if dates else None
     found = [one.dated(utc).recording for one in sensors.values()]
     begin = float(_second_before(min(one.first for one in found)))
     end = max(one.last for one in found)
-    end = end if until is None else min(end, begin + until)
     time = np.array((begin, end))
     unknown = np.full(2, np.nan)
     return Flight(

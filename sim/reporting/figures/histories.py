@@ -61,6 +61,25 @@ def _bars(axes: Any, flight: Flight, rows: dict[str, tuple[np.ndarray, str]]) ->
     axes.set_xlabel(TIME)
 
 
+def motion_history(flight: Flight, bank_limit: float) -> Any:
+    """Figure of what is known of a recorded flight: bank, ground speed, rate of climb; ``bank_limit`` in rad."""
+    state = flight.state
+    figure, (strip, bank, speed, vertical) = style.panels(STRIP, 1.4, 1.0, 0.9)
+    phase_strip(strip, flight)
+    for side in (-1.0, 1.0):
+        bank.axhline(side * np.degrees(bank_limit), color=style.VERMILION, linewidth=0.8, dashes=(4, 3))
+    for axes, values, label in (
+        (bank, np.degrees(state.bank), "bank, deg (+ right)"),
+        (speed, state.ground_speed, "ground speed, m/s"),
+        (vertical, state.velocity_up, "climb, m/s"),
+    ):
+        over_time(axes, flight, values, color=style.BLUE, linewidth=1.3)
+        pad(axes, 4.0)
+        axes.set_ylabel(label)
+    vertical.set_xlabel(TIME)
+    return figure
+
+
 def speed_history(flight: Flight) -> Any:
     """Figure of true airspeed against its schedule, equivalent airspeed, ground speed, flaps and gear."""
     state = flight.state
@@ -83,7 +102,7 @@ def speed_history(flight: Flight) -> Any:
 def airframe_history(flight: Flight) -> Any | None:
     """Figure of what only a whole aircraft has: incidence, vertical speed, load factor, controls; None for a point."""
     state = flight.state
-    if not np.any(state.elevator) and not np.any(state.throttle):
+    if flight.is_recorded or (not np.any(state.elevator) and not np.any(state.throttle)):
         return None
     figure, (strip, angles, vertical, controls) = style.panels(STRIP, 1.1, 1.0, 1.2)
     phase_strip(strip, flight)

@@ -31,6 +31,9 @@ SOLID, DASHED = (None, None), (3.2, 1.6)
 DARK = (BLACK, BLUE, VERMILION, GREEN)  # on which text is white
 
 PHASE_COLOURS = {
+    "vectors": BLUE,
+    "capture": VERMILION,
+    "established": GREEN,
     "intercept": GREY,
     "downwind": BLUE,
     "base_turn": ORANGE,

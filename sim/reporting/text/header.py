@@ -50,13 +50,17 @@ def first_screen(
 
 def _subtitle(scenario: Any, metrics: dict[str, Any], number: int) -> list[str]:
     """What was flown: aircraft, law, air, seed."""
-    aircraft = scenario.aircraft
-    parts = ["point mass" if aircraft.model == "point_mass" else data(aircraft.model).title]
-    if scenario.record is not None:
-        parts = ["recorded flight" if scenario.record.known else "recorded plots"]
+    aircraft, record = scenario.aircraft, scenario.record
+    if record is not None and not record.known:
+        parts = ["recorded plots"]
+    elif record is not None:
+        parts = [f"recorded flight {record.flight or ''}".rstrip(), "seen from outside"]
+    else:
+        parts = ["point mass" if aircraft.model == "point_mass" else data(aircraft.model).title]
     if aircraft.mass is not None:
         parts.append(f"{aircraft.mass / 1000:.1f} t")
-    parts.append(f"law {words(scenario.mode)}, bank limit {np.degrees(scenario.autopilot.bank_limit):.0f} deg")
+    whose = "law" if record is None else "trackers assume the law"
+    parts.append(f"{whose} {words(scenario.mode)}, bank limit {np.degrees(scenario.autopilot.bank_limit):.0f} deg")
     parts += weather.words(scenario)
     parts.append(f"seed {metrics.get('seed', scenario.seed)}")
     if metrics.get("flights", 1) > 1 or number > 0:

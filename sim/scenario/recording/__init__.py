@@ -1,4 +1,4 @@
-"""What a scenario says of recordings: ``record_table`` instead of a flown flight, ``plots_alone`` where none is known.
+"""A recorded flight in a scenario: ``table`` is ``[record]``, ``completion`` what it brings along, and refuses.
 
-``places`` makes the names of their files absolute, so that a resolved scenario is run from anywhere.
+``plots_alone`` is about sensors that recorded their looks, and flights that only these tell of.
 """

@@ -1,15 +1,13 @@
-"""What a scenario cannot ask where plots were recorded, and where nothing else is known of the flight."""
+"""Sensors that recorded their looks, and what cannot be asked where they alone tell of a flight."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
-from sim.scenario.recording.record_table import RecordTable
-from sim.scenario.tables import LegsTable, LegTable, Runway
+from sim.scenario.recording.table import RecordTable
 
-# The final course that stands for a route where none is told: an airliner's final, as a radar sees most of it.
-FINAL, SPEED, HEIGHT = 40e3, 75.0, 1000.0  # m, m/s, m
 TRACKERS = "trackers."
 NOTHING_KNOWN = (
     "[record] names no file, so there is no flight to see: name one, or give the plots that were made of it, "
@@ -17,10 +15,17 @@ NOTHING_KNOWN = (
 )
 
 
-def final_as_route(runway: Runway) -> LegsTable:
-    """The final course as one leg."""
-    north, east = runway.to_local(-FINAL, 0.0)
-    return LegsTable((LegTable((north, east), (0.0, 0.0), SPEED, HEIGHT),))
+def located(tables: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The tables with the files of sensors counted from a folder, by their absolute paths."""
+    sensors = tables.get("sensors")
+    if not isinstance(sensors, dict):
+        return tables
+    return {**tables, "sensors": {name: _located(table, folder) for name, table in sensors.items()}}
+
+
+def _located(table: Any, folder: Path) -> Any:
+    file = table.get("file") if isinstance(table, dict) else None
+    return {**table, "file": str((folder / file).absolute())} if isinstance(file, str) and file else table
 
 
 def recorded(sensors: dict[str, Any]) -> list[str]:
@@ -28,30 +33,19 @@ def recorded(sensors: dict[str, Any]) -> list[str]:
     return [name for name, sensor in sensors.items() if sensor is not None and sensor.recording is not None]
 
 
-def faults_of_recordings(tables: dict[str, Any], record: RecordTable | None, sensors: dict[str, Any]) -> Iterator[str]:
-    """What is wrong beside a ``[record]``, or with sensors that recorded their looks."""
+def faults_of_plots(tables: dict[str, Any], record: RecordTable | None, sensors: dict[str, Any]) -> Iterator[str]:
+    """What is wrong with sensors that recorded their looks, and with what is asked where nothing else is known."""
     plots = recorded(sensors)
     for number, entry in enumerate(tables.get("sensor_faults", [])):
         if entry["sensor"] in plots:
             yield f"[[sensor_faults]] entry {number}: '{entry['sensor']}' is recorded, and errs as it did"
     if plots and tables.get("autopilot", {}).get("navigation", "truth") != "truth":
         yield "[autopilot] navigation: no tracker can fly on plots that were recorded of another flight"
-    if record is None:
+    if record is None or record.known:
         return
-    for name in ("aircraft", "start", "departures"):
-        if tables.get(name):
-            yield f"[record] stands in place of [{name}]: take one of them out"
-    if not record.known:
-        yield from _unknown_flight(tables, sensors, plots)
-
-
-def _unknown_flight(tables: dict[str, Any], sensors: dict[str, Any], plots: list[str]) -> Iterator[str]:
-    """Faults of a scenario that knows no flight."""
     for name, sensor in sensors.items():
         if plots and sensor is not None and name not in plots:
             yield f"[sensors.{name}] sees a flight, and [record] names none: only recorded plots can be tracked"
-    if tables.get("flights", 1) != 1:
-        yield "flights: must be 1 where only plots are known: all would be the same"
     for number, entry in enumerate(tables.get("contrasts", [])):
         yield f"[[contrasts]] entry {number}: '{entry['of']}' has no errors where [record] names no file"
     for number, entry in enumerate(tables.get("checks", [])):
