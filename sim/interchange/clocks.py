@@ -42,13 +42,11 @@ def read_stamps(cells: Sequence[str], lines: Sequence[int], name: str) -> Stamps
     that do not rise.
     """
     form, read = _form(cells[0])
-    found = []
-    for line, cell in zip(lines, cells, strict=True):
-        try:
-            found.append(read(cell))
-        except ValueError:
-            raise ValueError(f"line {line}: '{cell[:40]}' in column '{name}' is no {form}") from None
-    time = np.array(found)
+    try:
+        time = np.array(cells, float) if read is float else np.array([*map(read, cells)])
+    except ValueError:
+        line, cell = next((line, cell) for line, cell in zip(lines, cells, strict=True) if not _reads(read, cell))
+        raise ValueError(f"line {line}: '{cell[:40]}' in column '{name}' is no {form}") from None
     if not np.isfinite(time).all():
         raise ValueError(f"line {lines[int(np.argmax(~np.isfinite(time)))]}: the stamp in '{name}' is not finite")
     if read is float and time.min() >= MILLISECONDS:
@@ -63,6 +61,14 @@ def read_stamps(cells: Sequence[str], lines: Sequence[int], name: str) -> Stamps
             f"line {lines[row]}: its stamp {cells[row][:40]} is not after that of the line before; sort them by time"
         )
     return Stamps(dated, time)
+
+
+def _reads(read: Callable[[str], float], cell: str) -> bool:
+    try:
+        read(cell)
+    except ValueError:
+        return False
+    return True
 
 
 def _form(cell: str) -> tuple[str, Callable[[str], float]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -187,10 +187,11 @@ class _Table:
 
     def numbers(self, column: int) -> np.ndarray:
         """(k,) numbers of a column, NaN where a cell is empty."""
-        cells = [cell.strip() or "nan" for cell in self.columns[column]]
+        cells: Sequence[str] = self.columns[column]
         try:
             found = np.array(cells, float)
         except ValueError:
+            cells = [cell.strip() or "nan" for cell in cells]
             found = np.array([self._number(line, column, cell) for line, cell in zip(self.lines, cells, strict=True)])
         if np.isinf(found).any():
             line = self.lines[int(np.argmax(np.isinf(found)))]
