@@ -168,7 +168,7 @@ def run(
         *skipped_looks(found.tracks),
         *contrast_warnings(contrasts, trackers_found),
         *(assumed_height.remarks(prepared, flown, before) if flown.known else ()),
-        *recordings.remarks(flown, scenario.sensors, {name: len(one.time) for name, one in found.records.items()}),
+        *recordings.remarks(flown, scenario.sensors, found.records),
     ]
     metrics = {
         "scenario": scenario.name,

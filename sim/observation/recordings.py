@@ -39,17 +39,21 @@ def dated(flight: Flight, sensors: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-def remarks(flight: Flight, sensors: dict[str, Any], seen: dict[str, int]) -> list[str]:
-    """One sentence for each recording that may be meant otherwise, or of which a part lies outside the flight.
+def remarks(flight: Flight, sensors: dict[str, Any], records: dict[str, Any]) -> list[str]:
+    """One sentence for each recording that may be meant otherwise, of which a part lies outside the flight, or that is
+    the same in several draws.
 
-    ``seen`` says how many of its looks fell into the flight.
+    ``records`` are what the sensors saw of the flight.
     """
     found = []
     for name, one in recordings(_at(flight, sensors)).items():
         found += [f"sensor '{name}': {remark}" for remark in one.remarks]
-        if seen[name] < one.looks:
+        seen, draws = len(records[name].time), records[name].z.shape[2]
+        if draws > 1:
+            found.append(f"sensor '{name}' is recorded: all {draws} draws see the same plots of it")
+        if seen < one.looks:
             found.append(
-                f"sensor '{name}': {one.looks - seen[name]} of its {one.looks} plots lie outside the flight and are "
+                f"sensor '{name}': {one.looks - seen} of its {one.looks} plots lie outside the flight and are "
                 f"left out: they are from {one.first:.1f} s to {one.last:.1f} s of it"
             )
     return found

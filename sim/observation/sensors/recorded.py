@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from aircraft.air import Air
+from aircraft.air import STANDARD_PRESSURE, Air
 from aircraft.runway import Runway as Place
 from aircraft.state import AircraftState
 from sim.files import read_bytes
@@ -125,7 +125,14 @@ class Recorded:
     def recording(self) -> Recording:
         """When its plots were made."""
         time, dated = self._seconds, self.plots.stamps.dated
-        return Recording(len(time), float(time[0]), float(time[-1]), dated, self.plots.remarks)
+        return Recording(len(time), float(time[0]), float(time[-1]), dated, (*self.plots.remarks, *self._assumed))
+
+    @property
+    def _assumed(self) -> tuple[str, ...]:
+        """What is taken for granted of the heights."""
+        if self.plots.height is not None or self.plots.pressure_altitude is None or self.air.qnh != STANDARD_PRESSURE:
+            return ()
+        return ("its pressure altitudes are taken at 1013.25 hPa: each hPa that [air] qnh_hpa differs is 8 m",)
 
     def dated(self, utc: float | None) -> Recorded:
         """The sensor for a flight at that time."""

@@ -87,6 +87,9 @@ def test_a_flight_level_becomes_a_height_by_the_qnh(sensor):
     (height,) = high._measured_height
     assert air.pressure_altitude(height) == pytest.approx(3000 * 0.3048, abs=0.1)
     assert height == pytest.approx((3000 + 820) * 0.3048, abs=10.0)
+    assert len(high.recording.remarks) == 1  # of its azimuths
+    (_, remark) = sensor("time,range_m,theta,fl", "4,5000,0,30", **RADAR, height_sigma=50.0).recording.remarks
+    assert "pressure altitudes are taken at 1013.25 hPa" in remark
 
 
 def test_latitude_and_longitude_are_places(sensor, flight):
@@ -118,10 +121,12 @@ def test_plots_of_another_day_are_refused_with_both_spans(sensor, flight):
 
 def test_plots_beside_the_flight_are_left_out_with_a_word(sensor, flight):
     radar = sensor("time,range_m,theta", *(f"{stamp},5000,0" for stamp in (-4, 0, 4, 8, 90)), **RADAR)
-    seen = observe(flight, {"radar": radar}, 1)["radar"]
-    assert seen.time.tolist() == [4.0, 8.0]
-    assert [one for one in remarks(flight, {"radar": radar}, {"radar": 2}) if "azimuth" not in one] == [
-        "sensor 'radar': 3 of its 5 plots lie outside the flight and are left out: they are from -4.0 s to 90.0 s of it"
+    seen = observe(flight, {"radar": radar}, 1, draws=2)
+    assert seen["radar"].time.tolist() == [4.0, 8.0]
+    assert remarks(flight, {"radar": radar}, seen) == [
+        "sensor 'radar': all azimuths are within 0.00 degrees: if they are radians, call their column theta_rad",
+        "sensor 'radar' is recorded: all 2 draws see the same plots of it",
+        "sensor 'radar': 3 of its 5 plots lie outside the flight and are left out: they are from -4.0 s to 90.0 s of it",
     ]
 
 
