@@ -16,8 +16,7 @@ Verbs, in the order of a run
 - `track` - Prepared, Flight, records -> a `Tracked` for each tracker, and its figures (sim.estimation.tracking_run)
 - `report` - `Result` and a folder -> the files of the run (sim.experiment)
 - `run` - all of them but the report, and the checks -> `Result` (sim.experiment)
-- `recorded` - a file of recorded tracks and a runway -> a `Flight` for each of its flights, instead of flying
-  (sim.flight.recording.flights)
+- `recorded` - recorded tracks and a runway -> a `Flight` for each, not flown here (sim.flight.recording.flights)
 
 Units and frames
 ----------------

@@ -10,14 +10,14 @@ from sim.flight.outcomes import LONGEST_FLIGHT
 from sim.flight.recording.places import Rows
 
 STILL = 0.5  # m: who moves less from one row to the next has not been seen anew
-LONGEST_GAP = 20.0  # s; in its middle the smoothed place is known to 20 m, see `smoothing.bridged`
+LONGEST_GAP = 20.0  # s; in its middle a smoothed place is known to 7 m
 FASTEST = 400.0  # m/s over the ground, that nothing on an approach exceeds
 SLACK = 300.0  # m, by which two rows may lie farther apart: stamps jitter
 STEEPEST = 100.0  # m/s up or down
 HEIGHT_SLACK = 100.0  # m
 FARTHEST = 111_120.0  # m, 60 NM: the range of a terminal radar; what lies beyond is no part of an approach
 SHORTEST, FEWEST = 20.0, 10  # s and rows: less is no flight
-AIRBORNE = 35.0  # m/s; a piece that was never so fast is a taxiing aircraft
+AIRBORNE = 20.0  # m/s; a piece that was never so fast is a taxiing aircraft
 
 
 def cleaned(rows: Rows) -> tuple[Rows, list[str]]:
@@ -61,7 +61,9 @@ def cleaned(rows: Rows) -> tuple[Rows, list[str]]:
     keep(possible, f"lie where nothing flies to, at more than {FASTEST:g} m/s, and are left out")
     distance = np.hypot(rows.north, rows.east)
     if len(distance) and distance.min() > FARTHEST:
-        raise ValueError(f"it never comes nearer to the threshold than {distance.min() / 1e3:.0f} km: another runway?")
+        raise ValueError(
+            f"it never comes nearer to the threshold than {distance.min() / 1e3:.0f} km: another runway, or unit?"
+        )
     keep(distance <= FARTHEST, f"lie beyond {FARTHEST / 1852.0:.0f} NM and are left out")
     rows = _piece(rows, told)
     keep(rows.time >= rows.time[-1] - LONGEST_FLIGHT, f"lie before the last {LONGEST_FLIGHT:.0f} s and are left out")

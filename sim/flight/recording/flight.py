@@ -16,6 +16,7 @@ from sim.flight.recording.notes import notes
 from sim.flight.recording.phases import ESTABLISHED, GROUND, PHASES, bank_of, phases_of
 from sim.flight.recording.places import placed
 from sim.flight.recording.smoothing import Path, resampled, smoothed
+from sim.flight.recording.units import contradictions
 from sim.interchange.track_record import TrackRecord
 from sim.scenario.recording.table import final
 from sim.scenario.tables import Runway
@@ -40,6 +41,7 @@ def recorded_flight(track: TrackRecord, runway: Runway, air: Air | None = None, 
     """
     air = Air(runway.elevation) if air is None else air
     try:
+        odd = contradictions(track)
         rows, assumed = placed(track, runway, air)
         rows, dropped = cleaned(rows)
         path, accuracy, wild = smoothed(rows)
@@ -52,7 +54,7 @@ def recorded_flight(track: TrackRecord, runway: Runway, air: Air | None = None, 
     if stopped.size:
         path, phase = Path(*(part[..., : stopped[0]] for part in path)), phase[: stopped[0]]
     route = final_route(runway) if route is None else route
-    told = (*track.remarks, *assumed, *dropped, *wild, *notes(path, phase, runway, air))
+    told = (*track.remarks, *odd, *assumed, *dropped, *wild, *notes(path, phase, runway, air))
     outcome, reason = _ending(path, phase, runway)
     time = path.time
     changes = (0, *(np.flatnonzero(np.diff(phase)) + 1))
@@ -107,7 +109,7 @@ def _ending(path: Path, phase: np.ndarray, runway: Runway) -> tuple[str, str]:
     if phase[-1] == GROUND:
         over = int(np.argmax(phase == GROUND))
         there = float(runway.from_local(path.position[0, over], path.position[1, over])[0])
-        return "landed", f"was down on the runway {there:.0f} m past the threshold, where it sank no more"
+        return "landed", f"on the runway {there:.0f} m past the threshold at the latest, where it sank no more"
     where = f"{math.hypot(past, right) / 1e3:.1f} km from the threshold at {path.position[2, -1]:.0f} m"
     if phase[-1] >= ESTABLISHED:
         return "completed", f"the record ends on the line of the runway, {where}"

@@ -6,7 +6,8 @@
   beginning has none.
 - established: on the line to the end, from when it is first within `NEAR` metres of it and `ON_COURSE` of its course
   and leaves `LEFT` and `OFF_COURSE` no more before the threshold.
-- glide: established, and near the glide path to the end: within half its needle, `HALF_SCALE`, and `LEAST` metres.
+- glide: established, sinking at half the slope of the glide path or more, and near it to the end: within half its
+  needle, `HALF_SCALE`, and `LEAST` metres.
 - ground: past the threshold on the runway, from where it sinks no more, `LEVELLED`, unless it climbs away again.
   Heights are not trusted to a few metres, so it is the end of the sink that counts.
 """
@@ -28,6 +29,7 @@ LEVEL, STRAIGHT = math.radians(3.0), 10.0  # rad, s
 NEAR, ON_COURSE = 100.0, math.radians(5.0)  # m, rad: as the autopilot of this program calls itself established
 LEFT, OFF_COURSE = 300.0, math.radians(15.0)
 HALF_SCALE, LEAST = math.radians(0.35), 30.0  # rad at the foot of the glide path, m
+SINKING = 0.5  # of the slope of the glide path
 ASIDE, LOW = 60.0, 60.0  # m from the centreline, and above or below the threshold: what an altimeter may be off
 LEVELLED, AGAIN = 0.5, 15.0  # m/s of sink or climb, m of height that a landed aircraft does not regain
 
@@ -59,7 +61,8 @@ def phases_of(path: Path, runway: Runway) -> np.ndarray:
     foot = runway.aiming_point - past
     high = np.abs(path.position[2] - foot * math.tan(runway.glide_path))
     allowed = np.maximum(np.maximum(foot, 0.0) * math.tan(HALF_SCALE), LEAST)
-    on_path = (high <= allowed) & (np.arange(len(past)) >= since) & before
+    sinking = -path.velocity[2] >= SINKING * math.tan(runway.glide_path) * np.hypot(path.velocity[0], path.velocity[1])
+    on_path = (high <= allowed) & sinking & (np.arange(len(past)) >= since) & before
     glide = _first(on_path, after=_last(before & (high > 2.0 * allowed)))
     if glide is not None:
         found[glide:] = GLIDE

@@ -47,6 +47,8 @@ def placed(track: TrackRecord, runway: Runway, air: Air) -> tuple[Rows, list[str
         )
     else:
         raise ValueError("it has no altitude, neither a pressure altitude nor a geometric one")
+    if not np.isfinite(height).any():
+        raise ValueError(f"its altitudes lie beyond {LOWEST:g} to {HIGHEST:g} m above the threshold")
     threshold = Place(runway.latitude, runway.longitude, runway.elevation, runway.heading)
     level = np.where(np.isfinite(height), height, np.nanmedian(height))
     with np.errstate(invalid="ignore"):

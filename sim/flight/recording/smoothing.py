@@ -23,7 +23,7 @@ from tracking.trackers.kalman import Kalman
 
 JERK = 0.3  # m2/s5, density of the white jerk on the ground plane: 0.5 m/s3, a bank of 3 deg/s, for a second or two
 JERK_UP = 0.03  # m2/s5, of the vertical: transports change their sink gently, and heights come in steps
-LEAST_SIGMA, LEAST_HEIGHT_SIGMA = 0.3, 0.5  # m; no record is better than its digits
+LEAST_SIGMA, LEAST_HEIGHT_SIGMA = 0.1, 0.5  # m; no record is better than its digits: 1e-6 deg is 0.11 m
 NORMAL = 1.4826  # standard deviation of a normal variable over the median of its size
 WILD = 8.0  # standard deviations from what the neighbours say, and
 WILD_LEAST = 60.0  # m, beyond which a row is no measurement of this flight

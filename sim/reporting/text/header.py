@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -51,10 +52,10 @@ def first_screen(
 def _subtitle(scenario: Any, metrics: dict[str, Any], number: int) -> list[str]:
     """What was flown: aircraft, law, air, seed."""
     aircraft, record = scenario.aircraft, scenario.record
-    if record is not None and not record.known:
+    if record is not None and record.file is None:
         parts = ["recorded plots"]
     elif record is not None:
-        parts = [f"recorded flight {record.flight or ''}".rstrip(), "seen from outside"]
+        parts = [f"recorded flight {record.flight or Path(record.file).stem}"]
     else:
         parts = ["point mass" if aircraft.model == "point_mass" else data(aircraft.model).title]
     if aircraft.mass is not None:
