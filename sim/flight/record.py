@@ -81,8 +81,11 @@ class Flight:
 
     @property
     def is_recorded(self) -> bool:
-        """Whether it was flown elsewhere, at a date, and seen from outside: what only the aircraft knows is NaN."""
-        return self.utc is not None and bool(np.isnan(self.state.airspeed).all())
+        """Whether it was flown elsewhere, at a date, and seen from outside: what only the aircraft knows is NaN.
+
+        One that only plots tell of need have no date.
+        """
+        return not self.known or (self.utc is not None and bool(np.isnan(self.state.airspeed).all()))
 
     def during(self, phases: str | tuple[str, ...]) -> np.ndarray:
         """(k,) bool: where one of the phases was flown.

@@ -126,7 +126,8 @@ def test_plots_beside_the_flight_are_left_out_with_a_word(sensor, flight):
     assert remarks(flight, {"radar": radar}, seen) == [
         "sensor 'radar': all azimuths are within 0.00 degrees: if they are radians, call their column theta_rad",
         "sensor 'radar' is recorded: all 2 draws see the same plots of it",
-        "sensor 'radar': 3 of its 5 plots lie outside the flight and are left out: they are from -4.0 s to 90.0 s of it",
+        "sensor 'radar': 3 of its 5 plots lie outside the flight and are left out: "
+        "they are from -4.0 s to 90.0 s of it",
     ]
 
 
