@@ -1,4 +1,4 @@
-"""Plots of a radar as somebody recorded them: comma-separated values, a line for each plot, columns by their names."""
+"""Plots of a radar as somebody recorded them: a table with a line for each plot, its columns known by their names."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import csv
 import math
 import re
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from aircraft.units import SUFFIXES
 from sim.interchange.clocks import Stamps, read_stamps
+from sim.interchange.tables import table_of
 
 TURN = 2.0 * math.pi
 
@@ -60,11 +62,34 @@ class Plots(NamedTuple):
 
 
 def read_plots(content: bytes, target: str | None = None) -> Plots:
-    """The plots of a file's content; ``target`` chooses the aircraft where the file names several.
+    """The plots of comma-separated values; ``target`` chooses the aircraft where the file names several.
 
     Raises ``ValueError`` in one sentence, with the line, for what cannot be read as plots.
     """
-    header, lines, cells = _rows(content)
+    return _of_cells(*_rows(content), target)
+
+
+def read_parquet_plots(path: Path, target: str | None = None) -> Plots:
+    """As `read_plots`, of a Parquet file; a line is a row of it.
+
+    Raises ``ValueError`` also where pyarrow is missing.
+    """
+    with table_of(path) as (header, chunks):
+        rows = [[*map(_text, row)] for columns in chunks(header) for row in zip(*columns, strict=True)]
+    if not rows:
+        raise ValueError("has no plots, only the names of columns")
+    return _of_cells(header, [*range(1, len(rows) + 1)], rows, target)
+
+
+def _text(cell: Any) -> str:
+    """A cell of Parquet as it would stand in a text."""
+    if cell is None or cell != cell:
+        return ""
+    return str(cell) if isinstance(cell, str) else f"{cell:.0f}" if float(cell).is_integer() else repr(float(cell))
+
+
+def _of_cells(header: list[str], lines: list[int], cells: list[list[str]], target: str | None) -> Plots:
+    """The plots of a table of texts."""
     names = [_plain(name) for name in header]
     if target is not None or any(name in TARGET for name in names):
         lines, cells = _of_target(names, lines, cells, target)

@@ -78,7 +78,7 @@ class PredictedPlots:
                 if not type(self.trackers[0]).__module__.startswith(("tracking.", "sim.")):
                     raise TypeError("a number in the state of a caller's tracker need not take one value for each draw")
                 groups.append((times, side_by_side(states, self.plots.place.shape[2] * len(self.trackers))))
-            except TypeError:
+            except (TypeError, ValueError):  # of the caller's own making, or with a memory that is still filling
                 groups += [([time], state) for time, state in zip(times, states, strict=True)]
         return groups
 

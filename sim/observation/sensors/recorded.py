@@ -17,7 +17,8 @@ from aircraft.runway import Runway as Place
 from aircraft.state import AircraftState
 from sim.files import read_bytes
 from sim.flight.recording.places import HIGHEST, LOWEST, STEP
-from sim.interchange.plots import Plots, read_plots
+from sim.interchange.plots import Plots, read_parquet_plots, read_plots
+from sim.interchange.tables import PARQUET
 from sim.observation.antenna import location, no_outline, place, polar, positive
 from sim.observation.sensor import Look, Recording
 from sim.randomness import Streams
@@ -69,8 +70,12 @@ class Recorded:
 
     def __post_init__(self) -> None:
         positive(self, *(f"{name}_sigma" for name in SIGMAS))
-        if self.sha256 is None:
-            object.__setattr__(self, "sha256", _digest(self.file))
+        found = hashlib.sha256(_content(self.file)).hexdigest()
+        if self.sha256 not in (None, found):
+            raise ValueError(
+                f"file '{self.file}' has changed since: its SHA-256 is not {self.sha256}; take sha256 out to use it"
+            )
+        object.__setattr__(self, "sha256", found)
         _ = self.plots  # it can be read, or says why not
         if self._polar and self.position is None:
             raise ValueError("position_m is missing: ranges and azimuths are counted from the antenna")
@@ -81,12 +86,12 @@ class Recorded:
 
     @property
     def plots(self) -> Plots:
-        """What the file says; raises ``ValueError`` where it says nothing, or is another file by now."""
+        """What the file says; raises ``ValueError`` where it says nothing."""
         return _plots(self.file, str(self.sha256), self.target)
 
     @property
     def _polar(self) -> bool:
-        return self.plots.range is not None
+        return self.plots.range is not None and self.plots.azimuth is not None
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -214,19 +219,13 @@ def _content(file: str) -> bytes:
         raise ValueError(f"file '{file}' cannot be read: {error.strerror}") from None
 
 
-def _digest(file: str) -> str:
-    return hashlib.sha256(_content(file)).hexdigest()
-
-
 @functools.lru_cache(maxsize=8)
 def _plots(file: str, digest: str, target: str | None) -> Plots:
-    """The plots of a file with that digest."""
+    """The plots of a file of that content, kept for the next sensor of it."""
     content = _content(file)
     if hashlib.sha256(content).hexdigest() != digest:
-        raise ValueError(
-            f"file '{file}' has changed since: its SHA-256 is not {digest[:12]}...; take sha256 out to use it"
-        )
+        raise ValueError(f"file '{file}' was changed while it was read")
     try:
-        return read_plots(content, target)
+        return read_parquet_plots(Path(file), target) if content.startswith(PARQUET) else read_plots(content, target)
     except ValueError as error:
         raise ValueError(f"file '{Path(file).name}' {error}") from None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim.interchange.clocks import Stamps, in_words
-from sim.interchange.plots import read_plots
+from sim.interchange.plots import read_parquet_plots, read_plots
 
 FIELDS = ("range", "azimuth", "height", "pressure_altitude", "latitude", "longitude")
 
@@ -115,6 +115,19 @@ def test_each_damage_is_one_sentence_with_its_line(lines, said):
     with pytest.raises(ValueError, match=re.escape(said)) as error:
         read(*lines)
     assert "\n" not in str(error.value)
+
+
+def test_a_table_of_parquet_says_the_same(tmp_path):
+    pyarrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    when = pyarrow.array([1_700_000_000_000, 1_700_000_004_500], pyarrow.timestamp("ms"))
+    columns = {"timestamp": when, "rho": [2.25, 3.0], "theta": [10.0, None], "target": ["abc", "abc"]}
+    parquet.write_table(pyarrow.table(columns), tmp_path / "plots.parquet")
+    found = read_parquet_plots(tmp_path / "plots.parquet", "abc")
+    texts = read("time,rho,theta,target", "1700000000,2.25,10,abc", "1700000004.5,3,,abc", target="abc")
+    for own, other in zip(
+        (*found.stamps, found.range, found.azimuth), (*texts.stamps, texts.range, texts.azimuth), strict=True
+    ):
+        np.testing.assert_array_equal(own, other)
 
 
 def test_bytes_that_are_no_text_are_refused():

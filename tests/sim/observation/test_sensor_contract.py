@@ -56,6 +56,14 @@ FAULTS = {
     "gives_place must be True or False": ("= False, 0.0, None", "= 'no', 0.0, None"),
     "zero_azimuth must be a number": ("= False, 0.0, None", "= False, 0.0, 'north'"),
     "clutter must be a number of at least 0": ("= False, 0.0, None", "= False, -1.0, None"),
+    "recording must be None, or a sim.observation.sensor.Recording": (
+        "gives_place, clutter, zero_azimuth = False, 0.0, None",
+        "gives_place, clutter, zero_azimuth, recording = False, 0.0, None, 7",
+    ),
+    "dated gives no sensor of its kind": (
+        "    def __post_init__(self)",
+        "    def dated(self, utc):\n        return None\n\n    def __post_init__(self)",
+    ),
     "it has clutter and no 'detection'": ("= False, 0.0, None", "= False, 1.0, None"),
     "zero_azimuth is None, and azimuth": ('("range", "range_rate")  #', '("range", "azimuth")  #'),
     "truth of one state has the shape (3,), not (2,)": ("np.stack((slant,", "np.stack((slant, slant,"),
