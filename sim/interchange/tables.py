@@ -49,6 +49,10 @@ def table_of(path: Path) -> Iterator[tuple[list[str], Callable[[list[str]], Chun
         raise ScenarioError(f"{path}: no such file") from None
     except OSError as error:
         raise ScenarioError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except ValueError as error:
+        if isinstance(error, ScenarioError) or "null byte" not in str(error):
+            raise
+        raise ScenarioError(f"{path}: is no path of a file") from None
 
 
 @contextlib.contextmanager

@@ -104,12 +104,13 @@ def test_damaged_recordings(row, tmp_path):
     assert len(DAMAGED) >= 100
 
 
+# processor time, since others may be at work on the machine: neither reading nor smoothing waits for anything
 MILLION = """
 import json, resource, sys, time
 from sim.interchange.tracks import read_tracks
-begun = time.perf_counter()
+begun = time.process_time()
 tracks = read_tracks(sys.argv[1])
-print(json.dumps([time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+print(json.dumps([time.process_time() - begun, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
                   len(tracks), sum(len(one.time) for one in tracks.values())]))
 """
 
@@ -170,8 +171,8 @@ def test_smoothing(row, tmp_path):
     for _ in range(5):
         flights = sim.recorded(path, runway)
         gc.collect()
-        begun = time.perf_counter()
+        begun = time.process_time()
         _ = flights["MADE1_001"]
-        took.append(time.perf_counter() - begun)
+        took.append(time.process_time() - begun)
     row("a flight of 600 rows smoothed", "<= .3 s", f"{min(took):.2f} s, the least of 5", min(took) <= 0.3)
     assert min(took) <= 0.3

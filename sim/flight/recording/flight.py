@@ -15,7 +15,7 @@ from sim.flight.recording.cleaning import cleaned
 from sim.flight.recording.notes import notes
 from sim.flight.recording.phases import ESTABLISHED, GROUND, PHASES, bank_of, phases_of
 from sim.flight.recording.places import placed
-from sim.flight.recording.smoothing import Path, resampled, smoothed
+from sim.flight.recording.smoothing import Path, resampled, smoothed, tamed
 from sim.flight.recording.units import contradictions
 from sim.interchange.track_record import TrackRecord
 from sim.scenario.recording.table import final
@@ -44,7 +44,8 @@ def recorded_flight(track: TrackRecord, runway: Runway, air: Air | None = None, 
         odd = contradictions(track)
         rows, assumed = placed(track, runway, air)
         rows, dropped = cleaned(rows)
-        path, accuracy, wild = smoothed(rows)
+        rows, wild = tamed(rows)
+        path, accuracy = smoothed(rows)
     except ValueError as error:
         raise ScenarioError(f"flight '{track.name}': {error}") from None
     span = path.time[-1] - path.time[0]

@@ -77,13 +77,12 @@ class WhiteJerk:
 PLACE = tuple(tuple(float(column == 3 * axis) for column in range(9)) for axis in range(3))  # H of a place
 
 
-def smoothed(rows: Rows) -> tuple[Path, Accuracy, list[str]]:
-    """The motion at the stamps of the rows, the accuracy that was found, and what was left out.
+def smoothed(rows: Rows) -> tuple[Path, Accuracy]:
+    """The motion at the stamps of the rows, counted from the first, and the accuracy that was found.
 
     Rauch, Tung and Striebel's smoother over a filter of `WhiteJerk` motion, with errors along and across the track of
     the accuracies that `accuracy_of` finds.
     """
-    rows, told = _tame(rows)
     accuracy = accuracy_of(rows)
     along = _direction(rows)
     right = np.array((-along[1], along[0]))
@@ -99,7 +98,7 @@ def smoothed(rows: Rows) -> tuple[Path, Accuracy, list[str]]:
         Kalman(LinearMeasurement(PLACE), motion), Measurements(channels, time, time, z, R), _prior(rows), start=0.0
     )
     mean = smooth(found, motion).mean.reshape(len(time), 3, 3)
-    return Path(time, *np.moveaxis(mean, (2, 1), (0, 1))), accuracy, told
+    return Path(time, *np.moveaxis(mean, (2, 1), (0, 1))), accuracy
 
 
 def _prior(rows: Rows) -> Gaussian:
@@ -123,15 +122,19 @@ def accuracy_of(rows: Rows) -> Accuracy:
     return Accuracy(along_sigma, across_sigma, max(step / math.sqrt(12.0), LEAST_HEIGHT_SIGMA))
 
 
-def _tame(rows: Rows) -> tuple[Rows, list[str]]:
-    """The rows without those that are far from what their neighbours say."""
+def tamed(rows: Rows) -> tuple[Rows, list[str]]:
+    """The rows without those that are far from what their neighbours say, and how many were left out.
+
+    Of five rows in a row the middle one shows its error most. Which of the first three, or the last, is wild nobody can
+    tell from them: all go.
+    """
     count = len(rows.time)
     for _ in range(ROUNDS):
         residual, scale = _foretold(rows)
-        off = np.hypot(*residual) / scale
+        off = (np.hypot(*residual) / scale)[2:-2]
         typical = NORMAL * float(np.median(off))
         nearby = np.lib.stride_tricks.sliding_window_view(np.pad(off, 2), 5).max(axis=1)
-        wild = (off > max(WILD * typical, WILD_LEAST)) & (off == nearby)
+        wild = np.pad((off > max(WILD * typical, WILD_LEAST)) & (off == nearby), 2, mode="edge")
         if not wild.any() or len(rows.time) - wild.sum() < 5:
             break
         rows = rows.some(~wild)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 import re
@@ -63,12 +64,11 @@ def completed_record(tables: dict[str, Any], parsed: Parser) -> dict[str, Any]:
     record = tables.get("record")
     if not isinstance(record, dict) or record.get("file", "none") == "":
         return tables
-    record = dict(record)
-    runway = record.pop("runway", None)
-    if isinstance(runway, str):
+    if isinstance(record.get("runway"), str):
         if "runway" in tables:
             raise ScenarioError("[record] runway: there is a table [runway] already; keep one of the two")
-        tables = {**runway_file(Path(runway), parsed), **tables}
+        tables = {**runway_file(Path(record["runway"]), parsed), **tables}
+        record = {key: value for key, value in record.items() if key != "runway"}
     tables = {**tables, "record": record, "autopilot": _told(tables)}
     if not isinstance(record.get("file"), str):  # nothing is known of it but plots
         return tables
@@ -106,8 +106,10 @@ def runway_file(path: Path, parsed: Parser) -> dict[str, Any]:
             tables = parsed(str(path), file.read(BLOCK))
     except FileNotFoundError:
         raise ScenarioError(f"[record] runway: {path}: no such file") from None
-    except OSError as error:
-        raise ScenarioError(f"[record] runway: {path}: cannot be read: {error.strerror}") from None
+    except (OSError, ValueError) as error:
+        if isinstance(error, ScenarioError):
+            raise
+        raise ScenarioError(f"[record] runway: {path}: cannot be read: {_why(error)}") from None
     if not isinstance(tables.get("runway"), dict):
         raise ScenarioError(f"[record] runway: {path}: has no table [runway]")
     found = {name: tables[name] for name in FIELD if name in tables}
@@ -117,17 +119,31 @@ def runway_file(path: Path, parsed: Parser) -> dict[str, Any]:
 
 
 def sha256(path: Path) -> str:
-    """The digest of a plain file; raises ``ScenarioError`` for what is none."""
-    found = hashlib.sha256()
+    """The digest of a plain file; raises ``ScenarioError`` for what is none.
+
+    It is worked out anew when the system says that the file has changed: a study asks for it in every cell.
+    """
     try:
         with os.fdopen(opened(path, os.O_RDONLY), "rb") as file:
-            while block := file.read(BLOCK):
-                found.update(block)
+            now = os.fstat(file.fileno())
+            return _digest(path, (now.st_dev, now.st_ino, now.st_size, now.st_mtime_ns, now.st_ctime_ns))
     except FileNotFoundError:
         raise ScenarioError(f"[record] file: {path}: no such file") from None
-    except OSError as error:
-        raise ScenarioError(f"[record] file: {path}: cannot be read: {error.strerror}") from None
+    except (OSError, ValueError) as error:  # a path may be none
+        raise ScenarioError(f"[record] file: {path}: cannot be read: {_why(error)}") from None
+
+
+@functools.lru_cache(maxsize=16)
+def _digest(path: Path, _as_it_is: tuple[int, ...]) -> str:
+    found = hashlib.sha256()
+    with os.fdopen(opened(path, os.O_RDONLY), "rb") as file:
+        while block := file.read(BLOCK):
+            found.update(block)
     return found.hexdigest()
+
+
+def _why(error: Exception) -> str:
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
 
 
 def strangers(tables: dict[str, Any]) -> list[str]:

@@ -109,6 +109,15 @@ def test_stale_rows_repeated_stamps_and_wild_places_are_left_out_and_told(flight
         np.testing.assert_allclose(getattr(found.state, name), getattr(flight.state, name), atol=2.0)
 
 
+def test_a_wild_first_row_does_not_move_the_date(flight):
+    track = made()
+    latitude = track.latitude.copy()
+    latitude[0] += 1e-4  # 637 m
+    found = recorded_flight(track._replace(latitude=latitude), RUNWAY)
+    assert found.utc == recordings.BEGUN + 3.0
+    np.testing.assert_allclose(found.state.north[:300], flight.state.north[90:390], atol=0.5)
+
+
 def test_of_pieces_the_one_that_ends_nearest_the_threshold_is_the_flight():
     time = np.arange(0.0, recordings.LENGTH)
     kept = (time < 100.0) | (time >= 125.0)
