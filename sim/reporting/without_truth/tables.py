@@ -19,8 +19,8 @@ def plot_tables(trackers: dict[str, dict[str, Any]]) -> list[Table]:
 
 
 def _innovations(trackers: dict[str, dict[str, Any]], known: dict[str, dict[str, Any]]) -> Table:
-    header = ["tracker", "kind", "ANIS", "of a consistent one", "neighbours correlate", "of white ones", "plots"]
-    header += ["longest gap, s", "track, s", "of the plots' time, %", "lost at, s"]
+    header = ["tracker", "kind", "ANIS", "if consistent", "correlation", "if white", "plots", "longest gap, s"]
+    header += ["track, s", "of the time, %", "lost at, s"]
     rows = [
         [
             who,
@@ -37,7 +37,10 @@ def _innovations(trackers: dict[str, dict[str, Any]], known: dict[str, dict[str,
         ]
         for who, its in known.items()
     ]
-    caption = f"{ALONE}: innovations, 1 where they are as large as the tracker says, and how long each track lasted"
+    caption = (
+        f"{ALONE}: innovations, their ANIS 1 where they are as large as the tracker says, the correlation of "
+        "neighbouring ones 0 where they are white; how long each track lasted, of the time of the plots"
+    )
     return Table(caption, header, rows, 2)
 
 
