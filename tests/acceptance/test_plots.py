@@ -23,6 +23,7 @@ pytestmark = pytest.mark.acceptance
 RUNWAY = {"latitude_deg": 50.0, "longitude_deg": 30.0, "heading_deg": 80.0}
 MADE, PLOTS, PERIOD, SIGMA, DENSITY = 300, 80, 4.0, 60.0, 1.0  # recordings; plots of each; s, m, m2/s3
 DAMAGES = 200
+LEVEL, ERRORS = 0.999, 3.3  # of intervals: one seed in a thousand would break them by chance
 SAME = 1e-3  # m; azimuths are counted from another zero, and rounded there
 
 
@@ -98,10 +99,10 @@ def test_figures_without_a_truth_are_what_they_say(row, tmp_path):
     within = sum(its["anis_low"] <= one["anis"] <= its["anis_high"] for one, its in zip(found, plots, strict=True))
     white = sum(abs(its["whiteness"]) <= its["whiteness_limit"] for its in plots)
     for what, count in (("ANIS within its bounds", within), ("neighbours correlate less than the limit", white)):
-        share = proportion(count, MADE)
+        share = proportion(count, MADE, LEVEL)
         row(
             f"plots alone, {MADE} recordings of a motion that the tracker knows: {what}",
-            "95 %, within its interval",
+            f"95 %, within the {LEVEL:.1%} interval",
             f"{share.value:.1%} ({share.low:.1%} to {share.high:.1%})",
             share.contains(0.95),
         )
@@ -109,10 +110,10 @@ def test_figures_without_a_truth_are_what_they_say(row, tmp_path):
     lost = sum(its["lost_time_s"] is not None for its in plots)
     for span in ("20_s", "60_s"):
         ahead = np.array([its["look_ahead"][span]["normalised"] for its in plots])
-        mean, error = float(ahead.mean()), 2.0 * float(ahead.std(ddof=1)) / math.sqrt(MADE)
+        mean, error = float(ahead.mean()), ERRORS * float(ahead.std(ddof=1)) / math.sqrt(MADE)
         row(
             f"plots alone, {MADE} recordings: normalised look-ahead, {span.replace('_', ' ')}",
-            "1, within two standard errors",
+            f"1, within {ERRORS:g} standard errors",
             f"{mean:.3f} +- {error:.3f}",
             abs(mean - 1.0) <= error,
         )
