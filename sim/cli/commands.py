@@ -122,8 +122,7 @@ def record(
     """Observe, track and report a recorded flight; the scenario lies in the folder of the run."""
     from sim.scenario.recording.completion import scenario_of
 
-    tables = scenario_of(tracks, runway, flight, flight if flight is not None else tracks.stem)
-    _run(tables, _overrides(sets), out, plugins, as_json)
+    _run(scenario_of(tracks, runway, flight), _overrides(sets), out, plugins, as_json)
 
 
 Cluster = Annotated[

@@ -16,7 +16,7 @@ from sim.files import plain
 from sim.studies.plan import designed_cells, plan
 from tests import recordings
 
-RADAR = {"kind": "surveillance_radar", "height": "mode_c", "period_s": 10.0}
+RADAR = {"kind": "surveillance_radar", "height": "mode_c", "period_s": 20.0}
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def files(tmp_path_factory):
 def tables(files, flight="FIRST", **more):
     record = {"file": str(files / "tracks.csv"), "runway": str(files / "runway.toml")}
     record |= {} if flight is None else {"flight": flight}
-    return {"name": "recorded", "draws": 2, "record": record, **more}
+    return {"name": "recorded", "draws": 1, "record": record, **more}
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +71,7 @@ def test_trackers_follow_it_and_figures_that_nobody_knows_are_null(folder):
 def test_the_page_says_nothing_of_an_aircraft_that_flies_here(folder):
     page = (folder / "report.html").read_text()
     assert "recorded flight FIRST" in page
+    assert "2026-03-01 12:00:00 UTC" in page
     for word in ("point mass", "no steady wind", "Speed and configuration", "at the bank limit"):
         assert word not in page.partition("<h2")[0]
     assert ">NaN<" not in page
@@ -135,6 +136,13 @@ def test_a_flight_is_named_where_there_are_several(files):
         sim.prepare(sim.read(tables(files, None)))
     with pytest.raises(ScenarioError, match=r"no flight 'FIRTS'.*did you mean 'FIRST'"):
         sim.prepare(sim.read(tables(files, "FIRTS")))
+
+
+def test_where_nobody_is_named_a_radar_with_mode_c_watches(files):
+    scenario = sim.read(tables(files))
+    assert scenario.sensors["radar"].channels == ("range", "azimuth", "height")
+    assert [*scenario.trackers] == ["kalman", "imm", "intent_imm"]
+    assert sim.read(tables(files, sensors={}, trackers={})).trackers == {}
 
 
 def test_a_sensor_of_what_nobody_recorded_is_refused(files):

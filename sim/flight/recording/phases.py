@@ -1,9 +1,9 @@
 """How a recorded approach was flown, read off its motion and the line of the runway.
 
 - vectors: all before the capture, and a flight that never gets onto the line.
-- capture: from the end of the last straight stretch that led to the line, wings within `LEVEL` for `STRAIGHT` seconds
-  at more than `ON_COURSE` from the runway's course, until it is established. A flight that was on the course from the
-  beginning has none.
+- capture: from the end of the last straight stretch that led to the line, a bank (mean over `CALM` seconds) within
+  `LEVEL` for `STRAIGHT` seconds at more than `ON_COURSE` from the runway's course, until it is established. A flight
+  that was on the course from the beginning has none.
 - established: on the line to the end, from when it is first within `NEAR` metres of it and `ON_COURSE` of its course
   and leaves `LEFT` and `OFF_COURSE` no more before the threshold.
 - glide: established, sinking at half the slope of the glide path or more, and near it to the end: within half its
@@ -25,7 +25,7 @@ from tracking.measurement import wrap
 
 PHASES = ("vectors", "capture", "established", "glide", "ground")
 VECTORS, CAPTURE, ESTABLISHED, GLIDE, GROUND = range(len(PHASES))
-LEVEL, STRAIGHT = math.radians(3.0), 10.0  # rad, s
+LEVEL, STRAIGHT, CALM = math.radians(3.0), 10.0, 5.0  # rad, s, s; a bank read off jittering places is 1 deg wrong
 NEAR, ON_COURSE = 100.0, math.radians(5.0)  # m, rad: as the autopilot of this program calls itself established
 LEFT, OFF_COURSE = 300.0, math.radians(15.0)
 HALF_SCALE, LEAST = math.radians(0.35), 30.0  # rad at the foot of the glide path, m
@@ -78,8 +78,10 @@ def _intercept(path: Path, off_course: np.ndarray, since: int) -> int:
     """Where the last straight stretch before ``since`` ends that led to the line; ``since`` where there is none."""
     if not (off_course[:since] > ON_COURSE).any():
         return since
-    width = max(1, round(STRAIGHT / (path.time[1] - path.time[0])))
-    turning = np.concatenate(([0], np.cumsum(np.abs(bank_of(path)) > LEVEL)))
+    step = path.time[1] - path.time[0]
+    width, mean = (max(1, round(span / step)) for span in (STRAIGHT, CALM))
+    bank = np.convolve(bank_of(path), np.full(mean, 1.0 / mean), mode="same")
+    turning = np.concatenate(([0], np.cumsum(np.abs(bank) > LEVEL)))
     ends = np.arange(width, since)
     straight = ends[(turning[ends] == turning[ends - width]) & (off_course[ends - 1] > ON_COURSE)]
     return int(straight[-1]) if straight.size else 0

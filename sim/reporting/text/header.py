@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,7 @@ def first_screen(
     return {
         "name": scenario.name,
         "number": number,
-        "subtitle": _subtitle(scenario, metrics, number),
+        "subtitle": _subtitle(scenario, flight, metrics, number),
         "ended": how_it_ended(flight, metrics["flight"]),
         "sentence": what_happened(flight, metrics["flight"], checks),
         "why": (metrics["flight"].get("navigated") or {}).get("why"),
@@ -49,13 +50,14 @@ def first_screen(
     }
 
 
-def _subtitle(scenario: Any, metrics: dict[str, Any], number: int) -> list[str]:
+def _subtitle(scenario: Any, flight: Flight, metrics: dict[str, Any], number: int) -> list[str]:
     """What was flown: aircraft, law, air, seed."""
     aircraft, record = scenario.aircraft, scenario.record
     if record is not None and record.file is None:
         parts = ["recorded plots"]
-    elif record is not None:
-        parts = [f"recorded flight {record.flight or Path(record.file).stem}"]
+    elif record is not None and record.file is not None:
+        begun = datetime.fromtimestamp(flight.utc or 0.0, UTC)
+        parts = [f"recorded flight {record.flight or Path(record.file).stem}", f"{begun:%Y-%m-%d %H:%M:%S} UTC"]
     else:
         parts = ["point mass" if aircraft.model == "point_mass" else data(aircraft.model).title]
     if aircraft.mass is not None:

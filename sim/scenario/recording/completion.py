@@ -14,6 +14,9 @@ from sim.errors import ScenarioError
 from sim.files import opened
 from sim.scenario.messages import stem
 
+# who watches where the scenario names nobody: a radar with Mode C, and trackers that need no more than a place
+SENSORS = {"radar": {"kind": "surveillance_radar", "height": "mode_c"}}
+TRACKERS = {"kalman": {"kind": "kalman"}, "imm": {"kind": "imm"}, "intent_imm": {"kind": "intent_imm"}}
 LONGEST_NAME = 50  # characters of a scenario's name that a flight gives it
 Parser = Callable[[str, bytes], dict[str, Any]]
 
@@ -29,19 +32,13 @@ BANK_LIMIT = {"bank_limit_deg": 25.0}
 LAW = {"k1_deg_per_m": 0.055, "k2_deg_per_mps": 0.88, "cross_track_limit_m": 976.0}
 
 
-def scenario_of(tracks: Path, runway: Path, flight: str | None, name: str) -> dict[str, Any]:
-    """The tables of a scenario for a recorded flight: a surveillance radar with Mode C, and trackers that need no more
-    than that an airliner is watched. What it should be called is told by ``name``."""
-    plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)[:LONGEST_NAME]
+def scenario_of(tracks: Path, runway: Path, flight: str | None) -> dict[str, Any]:
+    """The tables of a scenario for a recorded flight, called by it, else by its file; who watches is not said."""
+    plain = re.sub(r"[^A-Za-z0-9_-]", "_", tracks.stem if flight is None else flight)[:LONGEST_NAME]
+    named = {} if flight is None else {"flight": flight}
     return {
         "name": plain if plain[:1].isascii() and plain[:1].isalpha() else f"flight_{plain}",
-        "record": {"file": str(tracks), "runway": str(runway), **({} if flight is None else {"flight": flight})},
-        "sensors": {"radar": {"kind": "surveillance_radar", "height": "mode_c"}},
-        "trackers": {
-            "kalman": {"kind": "kalman"},
-            "imm": {"kind": "imm"},
-            "intent_imm": {"kind": "intent_imm"},
-        },
+        "record": {"file": str(tracks), "runway": str(runway), **named},
     }
 
 
@@ -55,15 +52,18 @@ def beside_file(tables: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def completed_record(tables: dict[str, Any], parsed: Parser) -> dict[str, Any]:
-    """The tables with all that ``[record]`` brings along: runway, absolute path, digest, and the law that is assumed.
+    """The tables with all that ``[record]`` brings along: runway, absolute path, digest, the law that is assumed, and
+    sensors and trackers where none are named.
 
     ``parsed`` gives the tables of a TOML file from its name and its content.
 
     Raises ``ScenarioError`` for a file that cannot be read, or is not the one that the scenario was written with.
     """
     record = tables.get("record")
-    if not isinstance(record, dict) or record.get("file", "none") == "":
-        return tables
+    if not isinstance(record, dict) or not isinstance(record.get("file", "none"), str):
+        return tables  # a fault that is told by the model of the file
+    if record.get("file", "none") == "":
+        raise ScenarioError("[record] file: is empty; name a file of recorded tracks")
     if isinstance(record.get("runway"), str):
         if "runway" in tables:
             raise ScenarioError("[record] runway: there is a table [runway] already; keep one of the two")
@@ -79,7 +79,8 @@ def completed_record(tables: dict[str, Any], parsed: Parser) -> dict[str, Any]:
             f"[record] file: {path} is not the recording that this scenario was written with, its content is another: "
             "take sha256 out to use it as it is"
         )
-    return {**tables, "record": {**record, "file": str(path), "sha256": found}}
+    watched = {"sensors": SENSORS, "trackers": TRACKERS}
+    return {**watched, **tables, "record": {**record, "file": str(path), "sha256": found}}
 
 
 def _told(tables: dict[str, Any]) -> Any:

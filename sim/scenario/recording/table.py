@@ -25,8 +25,6 @@ class RecordTable:
     columns: dict[str, str] = field(default_factory=dict)  # our names with a unit -> names of the file
 
     def __post_init__(self) -> None:
-        if self.file == "":
-            raise ValueError("file must name a file of recorded tracks")
         for name in ("flight", "sha256", "columns"):
             if self.file is None and getattr(self, name):
                 raise ValueError(f"{name} is of a file of recorded tracks, and no file is named")
