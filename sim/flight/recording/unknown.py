@@ -10,8 +10,11 @@ import numpy as np
 from aircraft.state import AircraftState, Command
 from autopilot.route import Route
 from sim.flight.record import UNKNOWN, Flight
-from sim.scenario.recording.plots_alone import NOTHING_KNOWN
 
+NOTHING_KNOWN = (
+    "names no file, so there is no flight to see: name one, or give the plots that were made of it, "
+    '[sensors.NAME] kind = "recorded"'
+)
 REASON = "no truth: figures from the plots alone"
 FINAL_TAKEN = "trackers that follow one, and ranges without a height, take the extended centreline and its glide path"
 
@@ -27,9 +30,9 @@ def unknown_flight(route: Route, sensors: dict[str, Any]) -> Flight:
     route : as it is told to trackers that know one
     sensors : that recorded their looks
 
-    Raises ``ValueError`` where there is no sensor.
+    Raises ``ValueError`` where there is no sensor, or one that recorded nothing.
     """
-    if not sensors:
+    if not sensors or any(one.recording is None for one in sensors.values()):
         raise ValueError(NOTHING_KNOWN)
     dates = [one.recording.first for one in sensors.values() if one.recording.dated]
     utc = float(_second_before(min(dates))) if dates else None

@@ -9,10 +9,6 @@ from typing import Any
 from sim.scenario.recording.table import RecordTable
 
 TRACKERS = "trackers."
-NOTHING_KNOWN = (
-    "[record] names no file, so there is no flight to see: name one, or give the plots that were made of it, "
-    '[sensors.NAME] kind = "recorded"'
-)
 
 
 def located(tables: dict[str, Any], folder: Path) -> dict[str, Any]:

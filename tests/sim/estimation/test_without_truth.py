@@ -331,9 +331,10 @@ def test_fewer_than_three_plots_begin_no_track(count, flown, tmp_path):
         sim.run(alone(file))
 
 
-def test_without_plots_there_is_nothing_to_run():
-    with pytest.raises(ScenarioError, match="names no file, so there is no flight to see"):
-        sim.run({key: value for key, value in alone("x").items() if key not in ("sensors", "trackers")})
+@pytest.mark.parametrize("sensors", [{}, {"radar": RADAR}])
+def test_without_plots_there_is_nothing_to_run(sensors):
+    with pytest.raises(ScenarioError, match=r"\[record\] names no file, so there is no flight to see"):
+        sim.run({**alone("x"), "sensors": sensors, "trackers": {}})
 
 
 def test_the_start_is_a_gaussian_of_all_draws():
