@@ -56,7 +56,7 @@ Data
     - ``rollout`` - from the landing to the stop, a `Flight` too (outcome stopped, excursion, time_limit or diverged),
       or None; ``whole`` - both as one record; ``utc`` s since 1970 at time 0, or None
     - of a recorded flight all but motion and bank is NaN, commands too; its phases are vectors, capture, established,
-      glide and ground
+      glide and ground. Where only plots tell of it all is NaN, ``known`` is False and the outcome unknown
 - `AircraftState` - one instant of motion, or a record of arrays (aircraft.state)
     - ``time`` s; ``north``, ``east``, ``height`` m; ``velocity_north``, ``velocity_east``, ``velocity_up`` m/s
     - ``bank``, ``pitch``, ``heading`` rad; ``roll_rate``, ``pitch_rate``, ``yaw_rate`` rad/s, body axes

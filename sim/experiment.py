@@ -32,6 +32,7 @@ from sim.metrics.ensemble.trackers import over_flights
 from sim.metrics.ensemble.verdict import CRASHED, refuse_unfit, verdicts, worst_first
 from sim.metrics.flight import flight_metrics
 from sim.metrics.navigation import navigation_quality
+from sim.observation import recordings
 from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
@@ -166,7 +167,8 @@ def run(
         *unjudged(flown, checks, found.checks),
         *skipped_looks(found.tracks),
         *contrast_warnings(contrasts, trackers_found),
-        *assumed_height.remarks(prepared, flown, before),
+        *(assumed_height.remarks(prepared, flown, before) if flown.known else ()),
+        *recordings.remarks(flown, scenario.sensors, found.records),
     ]
     metrics = {
         "scenario": scenario.name,

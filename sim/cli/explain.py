@@ -19,6 +19,7 @@ from sim.flight.departures import in_words
 from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared, prepare
 from sim.flight.record import Flight, runs
 from sim.flight.weather import words
+from sim.interchange.clocks import in_words as clock_words
 from sim.metrics import windshear
 from sim.observation import faults
 from sim.scenario.model import Scenario
@@ -76,11 +77,16 @@ def _head(prepared: Prepared) -> str:
     s = prepared.scenario
     mass = f", {s.aircraft.mass:.0f} kg" if s.aircraft.mass else ""
     flies = f"{s.aircraft.model}{mass}" if s.record is None else f"a flight recorded in {s.record.file}"
+    if s.record is not None and not s.record.known:
+        flies = "a flight that only recorded plots tell of"
     return "; ".join((f"{s.name}: {flies}", *words(s), f"seed {s.seed}"))
 
 
 def _recording(flight: Flight) -> str:
-    """When it was, how long, and its phases."""
+    """When it was, how long, and its phases where they are known."""
+    if not flight.known:
+        at = "" if flight.utc is None else f" from {clock_words(flight.utc + flight.time[0], True)}"
+        return f"plots{at} for {flight.time[-1] - flight.time[0]:.0f} s; {flight.reason}"
     date = datetime.fromtimestamp(flight.utc or 0.0, UTC).isoformat(sep=" ", timespec="seconds")
     rows: list[tuple[str, ...]] = [("phase", "from s", "m from the threshold", "height m", "ground speed m/s")]
     for first, _ in runs(flight.phase):

@@ -260,7 +260,7 @@ def measurement_model(prepared: Prepared, sensors: dict[str, Any], name: str) ->
     """
     models: list[MeasurementModel] = []
     for sensor_name, sensor in sensors.items():
-        model = _model(prepared, sensor)
+        model = sensor_model(prepared, sensor)
         if model is None:
             raise ScenarioError(
                 f"[trackers.{name}] sensors: '{sensor_name}' measures {_listed(sensor)}, which is no position; "
@@ -286,7 +286,7 @@ def _listed(sensor: Any) -> str:
     return ", ".join(sensor.channels)
 
 
-def _model(prepared: Prepared, sensor: Any) -> MeasurementModel | None:
+def sensor_model(prepared: Prepared, sensor: Any) -> MeasurementModel | None:
     """How one sensor is read; None = it measures nothing of a place on the ground plane."""
     channels = sensor.channels
     used: tuple[str, ...]

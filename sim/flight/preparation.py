@@ -43,6 +43,7 @@ from sim.flight.outcomes import Limits
 from sim.flight.record import Flight
 from sim.flight.recording.flight import REMARK
 from sim.flight.recording.flights import recording
+from sim.flight.recording.unknown import FINAL_TAKEN, unknown_flight
 from sim.flight.vehicles import (
     AirframeChoice,
     Configuration,
@@ -213,8 +214,13 @@ def _recorded(scenario: Scenario, record: RecordTable) -> Prepared:
         autopilot = Approach(route, law, landing, roll_rate_limit=told.roll_rate_limit, allow_orbit=True)
         first = route.legs[0]
     with place("[record]"):
-        flight = recording(record, scenario.runway, scenario.air, route)
+        if record.known:
+            flight = recording(record, scenario.runway, scenario.air, route)
+        else:
+            flight = unknown_flight(route, scenario.sensors)
     remarks = tuple(event.detail for event in flight.events if event.name == REMARK)
+    if not record.known and not scenario.has_route:
+        remarks += (f"no [route] is told: {FINAL_TAKEN}, at most {first.height:.0f} m high",)
     return Prepared(
         scenario,
         autopilot,

@@ -32,9 +32,10 @@ def replay(
 
     Heights are above the threshold; ``flown`` is the distance over the ground, the abscissa of the vertical profile.
     Plots of a radar that measures neither elevation nor height are shown where the ``chart`` puts them. It opens a
-    little before the instant ``parted``, s, at which two trackers part; without one, with the flight.
+    little before the instant ``parted``, s, at which two trackers part; without one, with the flight. Of an unknown
+    flight there are plots and estimates, and lists without any number are empty.
     """
-    if len(flight.time) < 2 or not np.isfinite(flight.state.north).all():
+    if len(flight.time) < 2 or (flight.known and not np.isfinite(flight.state.north).all()):
         return None
     course = flight.route.legs[-1].course
     turn = np.array(((np.cos(course), np.sin(course)), (-np.sin(course), np.cos(course))))

@@ -21,6 +21,7 @@ from sim.scenario.model import Scenario, TrackerChoice
 from sim.scenario.parameters import TrueShare, construct, dump, given_values, parameters
 from sim.scenario.plugins import Catalogue, catalogue_with, is_outside, said
 from sim.scenario.recording.completion import beside_file, completed_record, runway_file, strangers
+from sim.scenario.recording.plots_alone import faults_of_plots, located, recorded
 from sim.scenario.recording.table import RecordTable, final
 from sim.scenario.schema import ROUTES, file_model, kind_of, owner_of, parts_of
 from sim.scenario.tables import (
@@ -66,7 +67,7 @@ def read(
     origin, tables = _load(source)
     for address, value in (overrides or {}).items():
         tables = override(tables, address, value)
-    tables = completed_record(tables, parsed)
+    tables = completed_record(located(tables, Path()), parsed)
     return _build(origin, tables, catalogue, checks(tables) if checks is not None else [])
 
 
@@ -112,7 +113,7 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
     if not tables:
         raise ScenarioError(f"{origin}: says nothing; 'shortfinal new FILE.toml' writes a scenario to start from")
     named = {"name": path.name.removesuffix(".toml").removesuffix(".scenario"), **tables}
-    return origin, named if ours is not None else beside_file(named, path.parent)
+    return origin, named if ours is not None else located(beside_file(named, path.parent), path.parent)
 
 
 def parsed(origin: str, content: bytes) -> dict[str, Any]:
@@ -210,7 +211,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         "name": tables["name"],
         "seed": tables.get("seed", DEFAULTS["seed"]),
         "flights": tables.get("flights", DEFAULTS["flights"]),
-        "draws": _draws(faults, tables),
+        "draws": _draws(faults, tables, sensors),
         "until": tables.get("until_s"),
         "record": record,
         "runway": runway,
@@ -242,7 +243,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         },
         "study": table("study", StudyTable) if tables.get("study") is not None else None,
     }
-    faults += _told_twice(scenario["contrasts"])
+    faults += [*_told_twice(scenario["contrasts"]), *faults_of_plots(tables, record, sensors)]
     navigation = tables.get("autopilot", {}).get("navigation", "truth")
     if navigation != "truth" and navigation not in trackers:
         faults.append(
@@ -284,12 +285,19 @@ def _modes(faults: list[str], mode: str, departures: list[Any], catalogue: Catal
     return found
 
 
-def _draws(faults: list[str], tables: dict[str, Any]) -> int:
-    """Noise draws per flight: one where a tracker flies the aircraft, since its noise then shapes the flight."""
-    if tables.get("autopilot", {}).get("navigation", "truth") == "truth":
+def _draws(faults: list[str], tables: dict[str, Any], sensors: dict[str, Any]) -> int:
+    """Noise draws per flight: one where a tracker flies the aircraft, since its noise then shapes the flight.
+
+    One too where all plots are recorded, since there is no noise to draw.
+    """
+    if tables.get("autopilot", {}).get("navigation", "truth") != "truth":
+        why = "where a tracker navigates, because its noise shapes the flight; use 'flights'"
+    elif sensors and len(recorded(sensors)) == len(sensors):
+        why = "where all sensors are recorded, because every draw would see the same plots"
+    else:
         return int(tables.get("draws", DEFAULTS["draws"]))
     if tables.get("draws", 1) != 1:
-        faults.append("draws: must be 1 where a tracker navigates, because its noise shapes the flight; use 'flights'")
+        faults.append(f"draws: must be 1 {why}")
     return 1
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from aircraft.data import data
 from sim.flight import weather
-from sim.flight.record import Flight
+from sim.flight.record import UNKNOWN, Flight
 from sim.metrics import table
 from sim.metrics.flight import figure
 from sim.reporting.text.best_tracker import best_tracker
@@ -42,7 +42,7 @@ def first_screen(
         "why": (metrics["flight"].get("navigated") or {}).get("why"),
         "contrasted": contrasted or [],
         "winner": best_tracker(flight, metrics.get("trackers") or {}, followed, short=bool(contrasted)),
-        "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed"),
+        "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed", UNKNOWN),
         "failed": failed,
         "outcomes": _outcomes(metrics.get("flights_summary", {}).get("outcomes", {})),
         "warnings": metrics.get("warnings", []),
@@ -53,7 +53,9 @@ def first_screen(
 def _subtitle(scenario: Any, flight: Flight, metrics: dict[str, Any], number: int) -> list[str]:
     """What was flown: aircraft, law, air, seed."""
     aircraft, record = scenario.aircraft, scenario.record
-    if record is not None:
+    if record is not None and record.file is None:
+        parts = ["recorded plots"]
+    elif record is not None and record.file is not None:
         begun = datetime.fromtimestamp(flight.utc or 0.0, UTC)
         parts = [f"recorded flight {record.flight or Path(record.file).stem}", f"{begun:%Y-%m-%d %H:%M:%S} UTC"]
     else:

@@ -24,7 +24,10 @@ def what_happened(flight: Flight, figures: dict[str, Any], checks: list[dict[str
 
 
 def how_it_ended(flight: Flight, figures: dict[str, Any]) -> str:
-    """When the flight ended, where and how it touched down; without a full stop."""
+    """When the flight ended, where and how it touched down; without a full stop. Of an unknown one there is no more
+    than how long its plots are."""
+    if not flight.known:
+        return f"{duration(figures['duration_s'])} of recorded plots, {flight.reason}"
     ending = _ending(flight, figures.get("touchdown")) + _rollout(flight, figures.get("rollout"))
     return f"After {duration(figures['duration_s'])} {ending}"
 

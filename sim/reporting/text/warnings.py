@@ -96,7 +96,7 @@ def _sensor(flight: Flight, name: str, sensor: Any, record: SensorRecord) -> str
     end = float(flight.time[-1])
     if record.arrival.min() > end:
         return f"sensor '{name}' delivers nothing before the flight of {end:.0f} s is over: its latency is longer"
-    if sensor.antenna is None or "azimuth" not in record.channels:
+    if sensor.antenna is None or "azimuth" not in record.channels or not flight.known:
         return None
     state = flight.state
     antenna = np.array(sensor.antenna)[:, None]

@@ -62,7 +62,7 @@ def contrast_chart(
         )
     else:
         caption += "They do not part: nowhere does one err half as much again as the other for 10 s on end."
-    keys = (("flown", style.BLACK, False), *_keys(list(pair)))
+    keys = (("flown", style.BLACK, False), *keys_of(list(pair)))
     with style.drawing():
         return Chart(title[0].upper() + title[1:], style.data_uri(drawn(found)), caption, keys)
 
@@ -79,7 +79,7 @@ def error_charts(
     if not followed:
         return []
     drawn: list[Chart] = []
-    keys = _keys(followed)
+    keys = keys_of(followed)
 
     def add(title: str, figure: Any, caption: str, keys: tuple[tuple[str, str, bool], ...] = keys) -> None:
         if figure is not None:
@@ -143,7 +143,7 @@ def error_charts(
     return drawn
 
 
-def _keys(followed: list[Shown]) -> tuple[tuple[str, str, bool], ...]:
+def keys_of(followed: list[Shown]) -> tuple[tuple[str, str, bool], ...]:
     return tuple((words(one.name), one.look["color"], one.look["dashes"] != style.SOLID) for one in followed)
 
 

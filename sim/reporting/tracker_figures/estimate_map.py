@@ -31,7 +31,8 @@ def estimate_map(
 ) -> Any | None:
     """Figure with equal axes of the whole flight and of its last turn; None where no tracker knows a place.
 
-    In km from the threshold along and to the right of the final course.
+    In km from the threshold along and to the right of the final course. Of an unknown flight there are its plots, and
+    the middle of them.
     """
     shown = [one for one in followed if np.isfinite(one.curves.path.place).any()]
     if not shown:
@@ -49,16 +50,18 @@ def estimate_map(
         for label, seen in (("false plots", {n: false_plots(r) for n, r in records.items()}), ("plots", records))
     }
     width = style.WIDTH - style.LEFT - style.RIGHT
+    if not flight.known:
+        x, y = np.concatenate([turn @ shown[0].curves.path.place.T, *plots["plots"]], axis=1)
     left, right, low, high = extent((x,), (y,))
     height = min(max(width * (high - low) / (right - left), LOWEST), TALLEST)
     figure, (whole, near) = style.panels(height, ENLARGED, share=False, top=LEGEND, gap=0.34)
     scale = max((right - left) / width, (high - low) / height)
     middle = (left + right) / 2, (low + high) / 2
     _frame(whole, middle, scale * width, scale * height)
-    at = _turned(flight)
+    at = _turned(flight) if flight.known else len(shown[0].curves.path.time) // 2
     _frame(near, (float(x[at]), float(y[at])), WINDOW, WINDOW * ENLARGED / width)
     for axes, between in ((whole, (flight.time[0], flight.time[-1])), (near, None)):
-        _draw(axes, shown, (x, y), plots, turn, between)
+        _draw(axes, shown, (x, y) if flight.known else None, plots, turn, between)
         axes.set_ylabel("right of the threshold, km")
     near.set_xlabel("along the final course, km past the threshold")
     legend(figure, whole, shown)
@@ -85,7 +88,7 @@ def _frame(axes: Any, middle: tuple[float, float], across: float, down: float) -
 def _draw(
     axes: Any,
     shown: list[Shown],
-    flown: tuple[np.ndarray, np.ndarray],
+    flown: tuple[np.ndarray, np.ndarray] | None,
     plots: dict[str, list[np.ndarray]],
     turn: np.ndarray,
     between: tuple[float, float] | None,
@@ -102,8 +105,9 @@ def _draw(
             among = among[:: max(1, len(among) // 400)]
             label = what if index == 0 else None
             axes.plot(x[among], y[among], ".", color=colour, markersize=size, label=label, zorder=1.2)
-    thin = max(1, len(flown[0]) // 600)
-    axes.plot(flown[0][::thin], flown[1][::thin], color=style.BLACK, linewidth=1.6, label="flown", zorder=1.5)
+    if flown is not None:
+        thin = max(1, len(flown[0]) // 600)
+        axes.plot(flown[0][::thin], flown[1][::thin], color=style.BLACK, linewidth=1.6, label="flown", zorder=1.5)
     for one in shown:
         x, y = turn @ one.curves.path.place.T
         if between is None:

@@ -103,8 +103,6 @@ def credibility(flight: Flight, followed: list[Shown]) -> Any | None:
 
 def consistency_over_time(flight: Flight, followed: list[Shown]) -> Any:
     """Figure of ANEES and of the mean NIS at every epoch with the band that 95 % of consistent trackers keep."""
-    from scipy.special import chdtri
-
     figure, (strip, errors, innovations) = style.panels(STRIP, 1.7, 1.7, top=LEGEND)
     phase_strip(strip, flight)
     channel = shown_channels(followed)[0]
@@ -121,17 +119,24 @@ def consistency_over_time(flight: Flight, followed: list[Shown]) -> Any:
         (errors, np.full(2, float(max(one.curves.draws for one in followed) * dimension)), time),
         (innovations, most.nis_samples[seen].astype(float), most.time[seen]),
     ):
-        chosen = peaks(samples, BINS // 2)
-        low, high = (chdtri(samples[chosen], tail) / samples[chosen] for tail in (0.975, 0.025))
-        axes.fill_between(when[chosen], low, high, color="#BBBBBB", linewidth=0, zorder=1.1, label="95 % band")
-        axes.axhline(1.0, color=style.BLACK, linewidth=0.5, zorder=1.3)
-        logarithmic(axes)
-        axes.set_ylim(0.2, min(max(axes.get_ylim()[1], 5.0), UNCREDIBLE))
+        band_of_one(axes, samples, when)
     errors.set_ylabel(f"ANEES of {split(channel)[0]}")
     innovations.set_ylabel("mean NIS")
     innovations.set_xlabel(TIME)
     legend(figure, errors, followed)
     return figure
+
+
+def band_of_one(axes: Any, samples: np.ndarray, when: np.ndarray) -> None:
+    """The band about 1 in which means of so many squares lie with 95 %, on a logarithmic axis."""
+    from scipy.special import chdtri
+
+    chosen = peaks(samples, BINS // 2)
+    low, high = (chdtri(samples[chosen], tail) / samples[chosen] for tail in (0.975, 0.025))
+    axes.fill_between(when[chosen], low, high, color="#BBBBBB", linewidth=0, zorder=1.1, label="95 % band")
+    axes.axhline(1.0, color=style.BLACK, linewidth=0.5, zorder=1.3)
+    logarithmic(axes)
+    axes.set_ylim(0.2, min(max(axes.get_ylim()[1], 5.0), UNCREDIBLE))
 
 
 def error_by_phase(flight: Flight, trackers: dict[str, Any], followed: list[Shown]) -> Any | None:

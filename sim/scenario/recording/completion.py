@@ -60,15 +60,18 @@ def completed_record(tables: dict[str, Any], parsed: Parser) -> dict[str, Any]:
     Raises ``ScenarioError`` for a file that cannot be read, or is not the one that the scenario was written with.
     """
     record = tables.get("record")
-    if not isinstance(record, dict) or not isinstance(record.get("file"), str):
+    if not isinstance(record, dict) or not isinstance(record.get("file", "none"), str):
         return tables  # a fault that is told by the model of the file
-    if not record["file"]:
+    if record.get("file", "none") == "":
         raise ScenarioError("[record] file: is empty; name a file of recorded tracks")
     if isinstance(record.get("runway"), str):
         if "runway" in tables:
             raise ScenarioError("[record] runway: there is a table [runway] already; keep one of the two")
         tables = {**runway_file(Path(record["runway"]), parsed), **tables}
         record = {key: value for key, value in record.items() if key != "runway"}
+    tables = {**tables, "record": record, "autopilot": _told(tables)}
+    if not isinstance(record.get("file"), str):  # nothing is known of it but plots
+        return tables
     path = Path(record["file"]).absolute()
     found = sha256(path)
     if record.get("sha256") not in (None, found):
@@ -77,7 +80,7 @@ def completed_record(tables: dict[str, Any], parsed: Parser) -> dict[str, Any]:
             "take sha256 out to use it as it is"
         )
     watched = {"sensors": SENSORS, "trackers": TRACKERS}
-    return {**watched, **tables, "record": {**record, "file": str(path), "sha256": found}, "autopilot": _told(tables)}
+    return {**watched, **tables, "record": {**record, "file": str(path), "sha256": found}}
 
 
 def _told(tables: dict[str, Any]) -> Any:
