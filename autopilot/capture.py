@@ -1,0 +1,102 @@
+"""A capture of a leg as it was recorded, and as a route law would have flown it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from aircraft.state import STANDARD_GRAVITY
+from autopilot.last_turn import bank_of_turn, turn_rate
+from autopilot.modes.lateral_navigation import LateralNavigation
+from autopilot.saturation import rate_limit
+
+SAMPLE = 1.0  # s, between the instants of a capture
+STEPS = 4  # of the simulation within one
+
+
+class Capture(NamedTuple):
+    """One capture at k instants, `SAMPLE` apart; cross-track and angles + right of the leg."""
+
+    time: Any  # (k,) s
+    cross_track: Any  # (k,) m
+    track_error: Any  # (k,) rad, course over the ground minus that of the leg
+    ground_speed: Any  # (k,) m/s
+    bank: Any  # (k,) rad, of the turn
+
+
+class Loop(NamedTuple):
+    """What closes the loop: the law, the bank that follows its command, and where the capture begins; arrays (*B,)."""
+
+    law: LateralNavigation
+    lag: Any  # s, of the bank behind its command
+    roll_rate_limit: Any  # rad/s
+    cross_track: Any  # m, at the first instant
+    track_error: Any  # rad
+
+
+class Response(NamedTuple):
+    """A capture as a loop flies it, (k, *B)."""
+
+    cross_track: Any  # m
+    bank: Any  # rad, of the turn
+    wanted: Any  # rad, what the law commands, before its bank limit
+
+
+class _Point(NamedTuple):
+    """What the route law looks at of a deviation."""
+
+    cross_track: Any
+    cross_track_rate: Any
+
+
+def response(loop: Loop, capture: Capture) -> Response:
+    """How many loops at once would fly a capture, from its first instant on at the ground speed that was recorded.
+
+    z' = V sin(track error), the track turns with g tan(bank) / V, and the bank follows the command of the law with one
+    lag and no faster than the roll-rate limit. Each step takes the command at its middle and is exact in the lag. The
+    bank is read from the turn of the track as it is in a record.
+    """
+    dt = SAMPLE / STEPS
+    law, speeds = loop.law, _at_the_middles(capture.ground_speed)
+    share = -np.expm1(-dt / loop.lag)  # of the way to the command, in one step
+    unlimited = LateralNavigation(law.k1, law.k2, np.inf, law.cross_track_limit, np.inf)
+    shape = np.broadcast_shapes(*map(np.shape, (law.k1, loop.lag, loop.cross_track, loop.track_error)))
+    cross_track = np.broadcast_to(np.asarray(loop.cross_track, float), shape)
+    track = np.broadcast_to(np.asarray(loop.track_error, float), shape)
+    bank = np.full(shape, float(capture.bank[0]))
+    count = len(capture.time)
+    tracks, offsets, commands = np.empty((3, count, *shape))
+    for k in range(count):
+        offsets[k], tracks[k] = cross_track, track
+        commands[k] = unlimited(_Point(cross_track, capture.ground_speed[k] * np.sin(track)))
+        if k + 1 == count:
+            break
+        for speed in speeds[k]:
+            turn = 0.5 * dt * STANDARD_GRAVITY / speed * np.tan(bank)  # by the middle of the step
+            rate = speed * np.sin(track)
+            ahead = _Point(cross_track + 0.5 * dt * rate, speed * np.sin(track + turn))
+            before, bank = bank, rate_limit(bank, bank + share * (law(ahead) - bank), loop.roll_rate_limit, dt)
+            turn = dt * STANDARD_GRAVITY / speed * np.tan(0.5 * (before + bank))
+            cross_track = cross_track + dt * speed * np.sin(track + 0.5 * turn)
+            track = track + turn
+    speed = np.reshape(capture.ground_speed, (count, *(1,) * len(shape)))
+    return Response(offsets, bank_of_turn(speed, turn_rate(capture.time, tracks)), commands)
+
+
+def _at_the_middles(speed: Any) -> Any:
+    """(k - 1, STEPS) ground speeds at the middles of the steps."""
+    weights = (np.arange(STEPS) + 0.5) / STEPS
+    return speed[:-1, None] * (1.0 - weights) + speed[1:, None] * weights
+
+
+def capture_of(time: Any, cross_track: Any, track_error: Any, ground_speed: Any, begin: float, end: float) -> Capture:
+    """The capture between two times of a record, which may have any rate.
+
+    Parameters
+    ----------
+    time : (k,) s        cross_track : (k,) m        track_error : (k,) rad, without steps        ground_speed : (k,) m/s
+    """
+    times = np.arange(max(begin, time[0]), min(end, time[-1]) + 1e-9, SAMPLE)
+    offset, track, speed = (np.interp(times, time, values) for values in (cross_track, track_error, ground_speed))
+    return Capture(times, offset, track, speed, bank_of_turn(speed, turn_rate(times, track)))
