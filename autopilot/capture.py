@@ -33,6 +33,7 @@ class Loop(NamedTuple):
     roll_rate_limit: Any  # rad/s
     cross_track: Any  # m, at the first instant
     track_error: Any  # rad
+    bank: Any  # rad
 
 
 class Response(NamedTuple):
@@ -61,10 +62,10 @@ def response(loop: Loop, capture: Capture) -> Response:
     law, speeds = loop.law, _at_the_middles(capture.ground_speed)
     share = -np.expm1(-dt / loop.lag)  # of the way to the command, in one step
     unlimited = LateralNavigation(law.k1, law.k2, np.inf, law.cross_track_limit, np.inf)
-    shape = np.broadcast_shapes(*map(np.shape, (law.k1, loop.lag, loop.cross_track, loop.track_error)))
+    shape = np.broadcast_shapes(*map(np.shape, (law.k1, loop.lag, loop.cross_track)))
     cross_track = np.broadcast_to(np.asarray(loop.cross_track, float), shape)
     track = np.broadcast_to(np.asarray(loop.track_error, float), shape)
-    bank = np.full(shape, float(capture.bank[0]))
+    bank = np.broadcast_to(np.asarray(loop.bank, float), shape)
     count = len(capture.time)
     tracks, offsets, commands = np.empty((3, count, *shape))
     for k in range(count):
@@ -95,7 +96,8 @@ def capture_of(time: Any, cross_track: Any, track_error: Any, ground_speed: Any,
 
     Parameters
     ----------
-    time : (k,) s        cross_track : (k,) m        track_error : (k,) rad, without steps        ground_speed : (k,) m/s
+    time : (k,) s                                    cross_track : (k,) m
+    track_error : (k,) rad, without steps            ground_speed : (k,) m/s
     """
     times = np.arange(max(begin, time[0]), min(end, time[-1]) + 1e-9, SAMPLE)
     offset, track, speed = (np.interp(times, time, values) for values in (cross_track, track_error, ground_speed))

@@ -21,11 +21,12 @@ CROSS_TRACK_SCALE = 6.5  # m, by which a residual counts: what law (4) leaves of
 BANK_SCALE = math.radians(2.0)  # rad, likewise
 EXPLAINED_CROSS_TRACK, EXPLAINED_BANK = 30.0, math.radians(3.0)  # RMS of residuals below which the law explains
 SHORTEST = 30  # instants; fewer do not tell seven numbers
-MET = 2.0  # s, for which a limit must have acted to be one that was met
+WORTH = 0.15  # of the squares, that a limit must take away to be one that was met; see _without
 CORRELATED = 8.0  # s, over which residuals may be alike; see _covariance
 STARTS = 3  # refined, of all that are tried
 EVALUATIONS = 40  # of each at most
-DIFFERENCE = 1e-5  # of a logarithm, for derivatives
+DIFFERENCE = 1e-5  # of a parameter, for derivatives
+TOLERANCE = 1e-5  # of least squares, relative
 
 FREQUENCIES = np.geomspace(0.045, 0.3, 7)  # rad/s, of the laws that are tried first
 DAMPINGS = np.geomspace(0.45, 1.8, 5)
@@ -35,7 +36,10 @@ LAGS = (0.5, 2.0, 5.0)  # s
 NAMES = ("k1", "k2", "cross_track_limit", "bank_limit", "lag")
 LEAST = np.array([math.radians(3e-3), math.radians(0.08), 20.0, math.radians(2.0), 0.05])  # of NAMES, SI
 GREATEST = np.array([math.radians(1.0), math.radians(8.0), 2e4, math.radians(45.0), 15.0])
-FREE_START = np.array([20.0, 0.05])  # m, rad: steps of the cross-track and the track error of the first instant
+STEPS = np.array([2.0, 20.0, 0.05, 0.05])  # s, m, rad, rad: of the lag, and of cross-track, track error, bank at first
+DUST = 1e-3  # squares for each instant, in units of the scales: 0.2 m or 0.06 deg, which no record resolves
+NEVER = 1e9  # SI, of a limit that never acts
+LIMITS = (2, 3)  # of NAMES
 
 
 class Parameter(NamedTuple):
@@ -90,40 +94,43 @@ def identify_law(capture: Capture, roll_rate_limit: float = ROLL_RATE_LIMIT) -> 
     """Law (4), its limits and the lag of the bank, fitted to one capture [Vasylyev 2003, eq. (4)].
 
     Many laws are tried at once, the best few are refined by least squares over cross-track and bank together with the
-    place and the course at the first instant. Raises ``ValueError`` for a capture that is too short.
+    place, the course and the bank at the first instant. Raises ``ValueError`` for a capture that is too short.
     """
-    from scipy.optimize import least_squares
-
     if len(capture.time) < SHORTEST:
         raise ValueError(f"a capture needs {SHORTEST * SAMPLE:.0f} s of record, not {len(capture.time) * SAMPLE:.0f} s")
-    low = np.r_[np.log(LEAST), -np.full(2, 10.0)]
-    high = np.r_[np.log(GREATEST), np.full(2, 10.0)]
-    reach = float(np.abs(capture.cross_track).max())
-    high[2] = max(math.log(1.02 * reach), low[2] + 0.1)  # a limit beyond is never met
     problem = _Problem(capture, roll_rate_limit)
-    best = None
-    for start in problem.starts():
-        inside = np.clip(start, low + 1e-6, high - 1e-6)
-        found = least_squares(
-            problem.residuals, inside, problem.jacobian, (low, high), x_scale=1.0, max_nfev=EVALUATIONS, xtol=1e-6
-        )
-        if best is None or found.cost < best.cost:
-            best = found
-    return _fit(problem, best.x, reach)
+    found = min((problem.refined(start) for start in problem.starts()), key=lambda one: one.cost)
+    for limit in LIMITS:
+        without = problem.refined(_never(found.x, limit))
+        if without.cost < (1.0 + WORTH) * found.cost + DUST * len(capture.time):
+            found = without
+    return _fit(problem, found.x)
+
+
+class _Found(NamedTuple):
+    """Parameters of least squares."""
+
+    x: Any  # (8,)
+    cost: float
 
 
 class _Problem(NamedTuple):
-    """Least squares over one capture: parameters are the logarithms of NAMES and the two of the first instant."""
+    """Least squares over one capture.
+
+    Parameters are the logarithms of k1, k2 and both limits, then lag and what corrects cross-track, track error and bank
+    of the first instant, in `STEPS`; a limit that is `NEVER` met is none.
+    """
 
     capture: Capture
     roll_rate_limit: float
 
     def loops(self, x: Any) -> Loop:
-        """Of parameters (7, *B)."""
-        k1, k2, cross_track_limit, bank_limit, lag = np.exp(x[:5])
+        """Of parameters (8, *B)."""
+        k1, k2, cross_track_limit, bank_limit = np.exp(x[:4])
         law = LateralNavigation(k1, k2, bank_limit, cross_track_limit, np.inf)
-        offset = self.capture.cross_track[0] + FREE_START[0] * x[5]
-        return Loop(law, lag, self.roll_rate_limit, offset, self.capture.track_error[0] + FREE_START[1] * x[6])
+        begin = self.capture.cross_track[0], self.capture.track_error[0], self.capture.bank[0]
+        first = (value + step * moved for value, step, moved in zip(begin, STEPS[1:], x[5:], strict=True))
+        return Loop(law, STEPS[0] * x[4], self.roll_rate_limit, *first)
 
     def errors(self, x: Any) -> Any:
         """(2 k, *B) residuals in units of their scales, cross-track first."""
@@ -132,52 +139,80 @@ class _Problem(NamedTuple):
         offset = (flown.cross_track - self.capture.cross_track[over]) / CROSS_TRACK_SCALE
         return np.concatenate((offset, (flown.bank - self.capture.bank[over]) / BANK_SCALE))
 
-    def residuals(self, x: Any) -> Any:
-        """(2 k,)."""
-        return self.errors(x)
-
-    def jacobian(self, x: Any) -> Any:
-        """(2 k, 7), by differences of one simulation of all."""
-        moved = np.repeat(x[:, None], len(x) + 1, axis=1)
-        moved[:, 1:] += DIFFERENCE * np.eye(len(x))
+    def jacobian(self, x: Any, free: Any) -> Any:
+        """(2 k, free), by differences of one simulation of all."""
+        moved = np.repeat(x[:, None], len(free) + 1, axis=1)
+        moved[free, 1 + np.arange(len(free))] += DIFFERENCE
         errors = self.errors(moved)
         return (errors[:, 1:] - errors[:, :1]) / DIFFERENCE
+
+    def refined(self, start: Any) -> _Found:
+        """The least squares near a start, with the limits that it has."""
+        from scipy.optimize import least_squares
+
+        free = _free(start)
+        low = np.r_[np.log(LEAST[:4]), LEAST[4] / STEPS[0], *(-10.0,) * 3]
+        high = np.r_[np.log(GREATEST[:4]), GREATEST[4] / STEPS[0], *(10.0,) * 3]
+        high[2] = max(math.log(1.02 * np.abs(self.capture.cross_track).max()), low[2] + 0.1)  # beyond it is never met
+        low, high = low[free], high[free]
+
+        def whole(some: Any) -> Any:
+            x = start.copy()
+            x[free] = some
+            return x
+
+        found = least_squares(
+            lambda some: self.errors(whole(some)),
+            np.clip(start[free], low + 1e-6, high - 1e-6),
+            lambda some: self.jacobian(whole(some), free),
+            (low, high),
+            max_nfev=EVALUATIONS,
+            xtol=TOLERANCE,
+            ftol=TOLERANCE,
+        )
+        return _Found(whole(found.x), float(found.cost))
 
     def starts(self) -> list[Any]:
         """The best of many laws for the first course, each with another of `INTERCEPTS`."""
         capture = self.capture
-        k1 = FREQUENCIES**2 / STANDARD_GRAVITY
         rate = abs(float(np.median((capture.ground_speed * np.sin(capture.track_error))[:8])))
-        most = float(np.abs(capture.bank).max())
-        tried = []
-        for share in INTERCEPTS:
-            grid = np.meshgrid(FREQUENCIES, DAMPINGS, (0.95 * most, GREATEST[3]), LAGS, indexing="ij")
-            frequency, damping, limit, lag = (axis.ravel() for axis in grid)
-            k1, k2 = frequency**2 / STANDARD_GRAVITY, 2.0 * damping * frequency / STANDARD_GRAVITY
-            reach = np.full_like(k1, GREATEST[2]) if share == math.inf else np.maximum(share * k2 * rate / k1, LEAST[2])
-            start = np.zeros((2, len(k1)))
-            tried.append(np.concatenate((np.log([k1, k2, reach, limit, lag]), start)))
-        laws = np.concatenate(tried, axis=1)
-        cost = np.square(self.errors(laws)).sum(axis=0).reshape(len(INTERCEPTS), -1)
-        cost = np.where(np.isfinite(cost), cost, np.inf)
-        order = np.argsort(cost.min(axis=1), kind="stable")[:STARTS]
-        return [tried[i][:, int(np.argmin(cost[i]))] for i in order]
+        limits = 0.95 * float(np.abs(capture.bank).max()), NEVER
+        axes = np.meshgrid(FREQUENCIES, DAMPINGS, limits, LAGS, INTERCEPTS, indexing="ij")
+        frequency, damping, limit, lag, share = (axis.reshape(-1, len(INTERCEPTS)) for axis in axes)
+        k1, k2 = frequency**2 / STANDARD_GRAVITY, 2.0 * damping * frequency / STANDARD_GRAVITY
+        reach = np.where(np.isinf(share), NEVER, np.maximum(share * k2 * rate / k1, LEAST[2]))
+        zero = np.zeros_like(k1)
+        tried = np.stack((*np.log([k1, k2, reach, limit]), lag / STEPS[0], zero, zero, zero))
+        with np.errstate(all="ignore"):  # a law that leaves the leg in circles is just a bad one
+            cost = np.nan_to_num(np.square(self.errors(tried)).sum(axis=0), nan=np.inf)
+        best = np.argmin(cost, axis=0)
+        order = np.argsort(cost.min(axis=0), kind="stable")[:STARTS]
+        return [tried[:, best[i], i] for i in order]
 
 
-def _fit(problem: _Problem, x: Any, reach: float) -> LawFit:
+def _free(x: Any) -> Any:
+    """Numbers of the parameters that are looked for: all but limits that are never met."""
+    return np.array([i for i in range(8) if i not in LIMITS or x[i] < math.log(NEVER) - 1e-6])
+
+
+def _never(x: Any, limit: int) -> Any:
+    """The same without a limit."""
+    without = x.copy()
+    without[limit] = math.log(NEVER)
+    return without
+
+
+def _fit(problem: _Problem, x: Any) -> LawFit:
     """What the best parameters say."""
-    capture = problem.capture
+    capture, free = problem.capture, _free(x)
     flown = response(problem.loops(x), capture)
-    values = np.exp(x[:5])
-    met = np.ones(7, bool)
-    met[2] = np.count_nonzero(np.abs(flown.cross_track) > values[2]) * SAMPLE >= MET
-    met[3] = np.count_nonzero(np.abs(flown.wanted) > values[3]) * SAMPLE >= MET
-    sigmas = np.full(7, math.nan)
-    sigmas[met] = np.sqrt(np.diag(_covariance(problem.errors(x), problem.jacobian(x)[:, met])))
-    sigmas[:5] *= values  # of a number from that of its logarithm
-    bounds = {2: reach, 3: float(np.abs(flown.wanted).max())}
+    values = np.r_[np.exp(x[:4]), STEPS[0] * x[4]]
+    sigmas = np.full(8, math.nan)
+    sigmas[free] = np.sqrt(np.diag(_covariance(problem.errors(x), problem.jacobian(x, free))))
+    sigmas[:5] *= np.r_[values[:4], STEPS[0]]
+    reached = {2: float(np.abs(capture.cross_track).max()), 3: float(np.abs(flown.wanted).max())}
     parameters = [
-        Parameter(float(values[i]), float(sigmas[i])) if met[i] else Parameter(bounds[i], math.nan, False)
+        Parameter(float(values[i]), float(sigmas[i])) if i in free else Parameter(reached[i], math.nan, False)
         for i in range(5)
     ]
     errors = flown.cross_track - capture.cross_track, flown.bank - capture.bank

@@ -8,7 +8,7 @@ import numpy as np
 
 from aircraft.state import STANDARD_GRAVITY
 
-TURNING = np.radians(0.5)  # rad/s; slower is no turn: at 75 m/s the turn of 4 degrees of bank
+TURNING = np.radians(0.3)  # rad/s; slower is no turn: at 75 m/s it takes 2.3 degrees of bank
 LEAST_TURN = np.radians(15.0)  # rad, of course; less corrects, it does not turn onto a leg
 LARGEST_TURN = np.radians(115.0)  # rad; more is no capture: far abeam a route law commands no such turn in one
 PAUSE = 5.0  # s; a turn that goes on to the same side within them is one turn

@@ -84,13 +84,13 @@ def by_law(law):
 
 
 def drawn_law(rng):
-    """A law of `LAWS` that turns onto the leg by 20 to 80 degrees at 95 m/s, with its lag and its intercept course."""
+    """A law of `LAWS` that turns onto the leg by 25 to 80 degrees at 95 m/s, with its lag and its intercept course."""
     while True:
         k1, damping, reach, limit, lag = (float(np.interp(rng.uniform(0.05, 0.95), SHARES, LAWS[k])) for k in LAWS)
         k2 = 2.0 * damping * math.degrees(math.sqrt(math.radians(k1) / STANDARD_GRAVITY))
         course = k1 * reach / k2 / 95.0
-        stable = math.sqrt(STANDARD_GRAVITY * math.radians(k1)) * lag < 2.0 * damping  # Routh: it does not weave
-        if math.sin(math.radians(20.0)) < course < math.sin(math.radians(80.0)) and stable:
+        settles = lag < 0.5 * k2 / k1  # half of what makes it weave without end (Routh)
+        if math.sin(math.radians(25.0)) < course < math.sin(math.radians(80.0)) and settles:
             return Truth(route_law(k1, k2, reach, limit), lag), math.asin(course)
 
 

@@ -94,7 +94,7 @@ def why(fit: LawFit) -> tuple[str, ...]:
 
 def number(fit: LawFit, name: str) -> str:
     """One number of a law with its unit, as pages print it."""
-    key, factor = KEYS[name]
+    factor = KEYS[name][1]
     unit = {"k1": "deg/m", "k2": "deg/(m/s)", "cross_track_limit": "m", "bank_limit": "deg", "lag": "s"}[name]
     return f"{getattr(fit, name).value / factor:.3g} {unit}"
 
