@@ -23,6 +23,7 @@ class Capture(NamedTuple):
     track_error: Any  # (k,) rad, course over the ground minus that of the leg
     ground_speed: Any  # (k,) m/s
     bank: Any  # (k,) rad, of the turn
+    smoother: Any = None  # (k, k), by which the record was smoothed; None = it was not
 
 
 class Loop(NamedTuple):
@@ -81,8 +82,20 @@ def response(loop: Loop, capture: Capture) -> Response:
             turn = dt * STANDARD_GRAVITY / speed * np.tan(0.5 * (before + bank))
             cross_track = cross_track + dt * speed * np.sin(track + 0.5 * turn)
             track = track + turn
+    if capture.smoother is not None:
+        offsets, tracks = (np.tensordot(capture.smoother, values, 1) for values in (offsets, tracks))
     speed = np.reshape(capture.ground_speed, (count, *(1,) * len(shape)))
     return Response(offsets, bank_of_turn(speed, turn_rate(capture.time, tracks)), commands)
+
+
+def jerk_smoother(count: int, variance: float, density: float) -> Any:
+    """(k, k) what a smoother with white jerk makes of places that are measured once in a `SAMPLE`.
+
+    The smoothed path has the least sum of squared residuals over ``variance`` (m2) and of squared jerk over
+    ``density`` (m2/s5), which is what Rauch, Tung and Striebel's recursion finds, far from the ends exactly.
+    """
+    jerk = np.diff(np.eye(count), 3, axis=0) / SAMPLE**3
+    return np.linalg.inv(np.eye(count) + variance / density * SAMPLE * jerk.T @ jerk)
 
 
 def _at_the_middles(speed: Any) -> Any:

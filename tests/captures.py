@@ -148,7 +148,7 @@ def exact(flown, heading=0.0):
     """The path as a record without errors, at 10 Hz."""
     every = slice(None, None, 5)
     time, along, cross_track, course, speed = (values[every] for values in flown)
-    return flight_of(time, along, cross_track, speed * np.cos(course), speed * np.sin(course), heading)
+    return flight_of(time, along, cross_track, speed * np.cos(course), speed * np.sin(course), heading, None)
 
 
 class Rows(NamedTuple):
