@@ -23,7 +23,7 @@ class Capture(NamedTuple):
     track_error: Any  # (k,) rad, course over the ground minus that of the leg
     ground_speed: Any  # (k,) m/s
     bank: Any  # (k,) rad, of the turn
-    smoother: Any = None  # (k, k), by which the record was smoothed; None = it was not
+    smoother: Any = None  # (2 k, 2 k) of along and cross-track, by which the record was smoothed; None = it was not
 
 
 class Loop(NamedTuple):
@@ -68,9 +68,10 @@ def response(loop: Loop, capture: Capture) -> Response:
     track = np.broadcast_to(np.asarray(loop.track_error, float), shape)
     bank = np.broadcast_to(np.asarray(loop.bank, float), shape)
     count = len(capture.time)
-    tracks, offsets, commands = np.empty((3, count, *shape))
+    along = np.zeros(shape)
+    places, tracks, commands = np.empty((2, count, *shape)), np.empty((count, *shape)), np.empty((count, *shape))
     for k in range(count):
-        offsets[k], tracks[k] = cross_track, track
+        places[0, k], places[1, k], tracks[k] = along, cross_track, track
         commands[k] = unlimited(_Point(cross_track, capture.ground_speed[k] * np.sin(track)))
         if k + 1 == count:
             break
@@ -80,22 +81,43 @@ def response(loop: Loop, capture: Capture) -> Response:
             ahead = _Point(cross_track + 0.5 * dt * rate, speed * np.sin(track + turn))
             before, bank = bank, rate_limit(bank, bank + share * (law(ahead) - bank), loop.roll_rate_limit, dt)
             turn = dt * STANDARD_GRAVITY / speed * np.tan(0.5 * (before + bank))
+            along = along + dt * speed * np.cos(track + 0.5 * turn)
             cross_track = cross_track + dt * speed * np.sin(track + 0.5 * turn)
             track = track + turn
-    if capture.smoother is not None:
-        offsets, tracks = (np.tensordot(capture.smoother, values, 1) for values in (offsets, tracks))
     speed = np.reshape(capture.ground_speed, (count, *(1,) * len(shape)))
-    return Response(offsets, bank_of_turn(speed, turn_rate(capture.time, tracks)), commands)
+    if capture.smoother is not None:
+        places = _smoothed(places, capture.smoother)
+        tracks = np.arctan2(*_smoothed(speed * np.array((np.cos(tracks), np.sin(tracks))), capture.smoother)[::-1])
+    return Response(places[1], bank_of_turn(speed, turn_rate(capture.time, tracks)), commands)
 
 
-def jerk_smoother(count: int, variance: float, density: float) -> Any:
-    """(k, k) what a smoother with white jerk makes of places that are measured once in a `SAMPLE`.
+def smoother_of(track_error: Any, along: float, across: float, density: float) -> Any:
+    """(2 k, 2 k) what a smoother with white jerk makes of places that are measured once in a `SAMPLE`.
 
-    The smoothed path has the least sum of squared residuals over ``variance`` (m2) and of squared jerk over
-    ``density`` (m2/s5), which is what Rauch, Tung and Striebel's recursion finds, far from the ends exactly.
+    The smoothed path has the least sum of squared residuals over their variance and of squared jerk over its density,
+    which is what the recursion of Rauch, Tung and Striebel finds. It is linear in the places, so the path of a law can
+    be smoothed as the record was; what it does to a quick roll is then no lag of the aircraft.
+
+    Parameters
+    ----------
+    track_error : (k,) rad, along which places are less accurate
+    along, across : m, standard deviations of a place        density : m2/s5, of the jerk on each axis
     """
+    count = len(track_error)
     jerk = np.diff(np.eye(count), 3, axis=0) / SAMPLE**3
-    return np.linalg.inv(np.eye(count) + variance / density * SAMPLE * jerk.T @ jerk)
+    stiff = SAMPLE / density * jerk.T @ jerk
+    c, s = np.cos(track_error), np.sin(track_error)
+    first, mixed, second = along**2 * c * c + across**2 * s * s, (along**2 - across**2) * c * s, along**2 * s * s
+    second = second + across**2 * c * c
+    return np.linalg.inv(
+        np.eye(2 * count)
+        + np.block([[first[:, None] * stiff, mixed[:, None] * stiff], [mixed[:, None] * stiff, second[:, None] * stiff]])
+    )
+
+
+def _smoothed(pair: Any, smoother: Any) -> Any:
+    """Along and across, (2, k, *B), behind a smoother."""
+    return np.tensordot(smoother, pair.reshape(len(smoother), *pair.shape[2:]), 1).reshape(pair.shape)
 
 
 def _at_the_middles(speed: Any) -> Any:

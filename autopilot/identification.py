@@ -22,7 +22,7 @@ BANK_SCALE = math.radians(2.0)  # rad, likewise
 EXPLAINED_CROSS_TRACK, EXPLAINED_BANK = 30.0, math.radians(3.0)  # RMS of residuals below which the law explains
 SHORTEST = 30  # instants; fewer do not tell seven numbers
 WORTH = 0.15  # of the squares, that a limit must take away to be one that was met; see _without
-CORRELATED = 8.0  # s, over which residuals may be alike; see _covariance
+MOST_ALIKE = 0.95  # correlation of residuals from one instant to the next; beyond, nothing could be said of errors
 STARTS = 3  # refined, of all that are tried
 EVALUATIONS = 40  # of each at most
 DIFFERENCE = 1e-5  # of a parameter, for derivatives
@@ -183,8 +183,8 @@ class _Problem(NamedTuple):
         reach = np.where(np.isinf(share), NEVER, np.maximum(share * k2 * rate / k1, LEAST[2]))
         zero = np.zeros_like(k1)
         tried = np.stack((*np.log([k1, k2, reach, limit]), lag / STEPS[0], zero, zero, zero))
-        with np.errstate(all="ignore"):  # a law that leaves the leg in circles is just a bad one
-            cost = np.nan_to_num(np.square(self.errors(tried)).sum(axis=0), nan=np.inf)
+        rough = self._replace(capture=capture._replace(smoother=None))  # it costs more than the rest, for many laws
+        cost = np.square(rough.errors(tried)).sum(axis=0)
         best = np.argmin(cost, axis=0)
         order = np.argsort(cost.min(axis=0), kind="stable")[:STARTS]
         return [tried[:, best[i], i] for i in order]
@@ -223,15 +223,18 @@ def _fit(problem: _Problem, x: Any) -> LawFit:
 def _covariance(errors: Any, jacobian: Any) -> Any:
     """Of the parameters, from the Jacobian (2 k, p), where errors (2 k,) near in time are alike.
 
-    The score of each instant is summed over neighbours with falling weights up to `CORRELATED` (Newey and West): what a
-    smoother or a gust leaves in the residuals is no independent noise, which would make the errors too small.
+    What a smoother, a gust or a law that is not quite this one leaves in cross-track and bank is no white noise. With
+    the correlation a from one instant to the next, each channel has as many independent errors as k (1 - a) / (1 + a)
+    instants; the estimate of a is too small by (1 + 4 a) / k, and that is put back (Kendall).
     """
     count = len(errors) // 2
-    scores = (errors[:, None] * jacobian).reshape(2, count, -1).sum(axis=0)
-    lags = int(CORRELATED / SAMPLE)
-    middle = scores.T @ scores
-    for lag in range(1, min(lags, count - 1) + 1):
-        both = scores[lag:].T @ scores[:-lag]
-        middle += (1.0 - lag / (lags + 1.0)) * (both + both.T)
+    freedom = count - 0.5 * jacobian.shape[1]
     inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-12, hermitian=True)
-    return inverse @ middle @ inverse * (count / max(count - jacobian.shape[1], 1))
+    middle = 0.0
+    for channel in (slice(count), slice(count, None)):
+        left, slopes = errors[channel], jacobian[channel]
+        squares = max(float(left @ left), 1e-300)
+        alike = float(left[1:] @ left[:-1]) / squares
+        alike = min(max(alike + (1.0 + 4.0 * alike) / count, 0.0), MOST_ALIKE)
+        middle = middle + slopes.T @ slopes * (squares / freedom * (1.0 + alike) / (1.0 - alike))
+    return inverse @ middle @ inverse

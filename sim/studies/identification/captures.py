@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from autopilot.capture import Capture, capture_of, jerk_smoother
+from autopilot.capture import Capture, capture_of, smoother_of
 from autopilot.identification import LawFit, identify_law
 from autopilot.last_turn import LARGEST_TURN, LEAST_TURN, last_turn
 from sim.errors import ScenarioError
@@ -16,7 +16,7 @@ from sim.flight.record import Flight
 BEFORE, AFTER = 12.0, 40.0  # s of a capture before and after its turn
 LEAST_BEFORE, LEAST_AFTER = 4.0, 15.0  # s of them that a record must have
 LONGEST_GAP = 5.0  # s, over which a record is read as a straight line
-SMOOTHED = (2.8**2, 0.3)  # m2 and m2/s5, of the smoother of recorded flights, across the path
+SMOOTHED = (21.0, 2.8, 0.3)  # m, m, m2/s5: of the smoother of recorded flights, along and across, and its jerk
 ONTO = math.radians(30.0)  # of track error, within which a turn onto a leg ends
 
 
@@ -38,7 +38,7 @@ def identify(flight: Flight, leg: int | None = None) -> LawFit:
         raise ScenarioError(f"identify: leg: there are legs 0 to {legs - 1}, not {number}")
     capture = _capture(flight, number)
     if flight.utc is not None:
-        capture = capture._replace(smoother=jerk_smoother(len(capture.time), *SMOOTHED))
+        capture = capture._replace(smoother=smoother_of(capture.track_error, *SMOOTHED))
     return identify_law(capture)
 
 
