@@ -106,13 +106,10 @@ def smoother_of(track_error: Any, along: float, across: float, density: float) -
     count = len(track_error)
     jerk = np.diff(np.eye(count), 3, axis=0) / SAMPLE**3
     stiff = SAMPLE / density * jerk.T @ jerk
-    c, s = np.cos(track_error), np.sin(track_error)
-    first, mixed, second = along**2 * c * c + across**2 * s * s, (along**2 - across**2) * c * s, along**2 * s * s
-    second = second + across**2 * c * c
-    return np.linalg.inv(
-        np.eye(2 * count)
-        + np.block([[first[:, None] * stiff, mixed[:, None] * stiff], [mixed[:, None] * stiff, second[:, None] * stiff]])
-    )
+    c, s = np.cos(track_error)[:, None], np.sin(track_error)[:, None]
+    own, mixed, other = (along * c) ** 2 + (across * s) ** 2, (along**2 - across**2) * c * s, (along * s) ** 2
+    blocks = [[own * stiff, mixed * stiff], [mixed * stiff, (other + (across * c) ** 2) * stiff]]
+    return np.linalg.inv(np.eye(2 * count) + np.block(blocks))
 
 
 def _smoothed(pair: Any, smoother: Any) -> Any:

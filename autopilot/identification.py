@@ -20,6 +20,7 @@ ROLL_RATE_LIMIT = math.radians(5.0)  # rad/s, of autopilots as a rule; no record
 CROSS_TRACK_SCALE = 6.5  # m, by which a residual counts: what law (4) leaves of captures by airliners, in the median
 BANK_SCALE = math.radians(2.0)  # rad, likewise
 EXPLAINED_CROSS_TRACK, EXPLAINED_BANK = 30.0, math.radians(3.0)  # RMS of residuals below which the law explains
+AT_AN_END = 0.02  # of a gain, within which it is at the end of the range where none was found
 SHORTEST = 30  # instants; fewer do not tell seven numbers
 WORTH = 0.15  # of the squares, that a limit must take away to be one that was met; see _without
 MOST_ALIKE = 0.95  # correlation of residuals from one instant to the next; beyond, nothing could be said of errors
@@ -77,7 +78,16 @@ class LawFit(NamedTuple):
         if self.bank_rms >= EXPLAINED_BANK:
             told, most = (math.degrees(value) for value in (self.bank_rms, EXPLAINED_BANK))
             found.append(f"bank residuals of {told:.1f} deg, {most:.0f} allowed")
+        names = {"k1": self.k1, "k2": self.k2}
+        for i, (name, one) in enumerate(names.items()):
+            if not (1.0 + AT_AN_END) * LEAST[i] < one.value < (1.0 - AT_AN_END) * GREATEST[i]:
+                found.append(f"{name} lies at an end of what is looked for")
         return tuple(found)
+
+    @property
+    def misfit(self) -> float:
+        """The larger of both residuals over what is allowed of it."""
+        return max(self.cross_track_rms / EXPLAINED_CROSS_TRACK, self.bank_rms / EXPLAINED_BANK)
 
     @property
     def frequency(self) -> float:
@@ -117,8 +127,8 @@ class _Found(NamedTuple):
 class _Problem(NamedTuple):
     """Least squares over one capture.
 
-    Parameters are the logarithms of k1, k2 and both limits, then lag and what corrects cross-track, track error and bank
-    of the first instant, in `STEPS`; a limit that is `NEVER` met is none.
+    Parameters are the logarithms of k1, k2 and both limits, then the lag and what corrects cross-track, track error and
+    bank of the first instant, in `STEPS`; a limit that is `NEVER` met is none.
     """
 
     capture: Capture
@@ -211,13 +221,13 @@ def _fit(problem: _Problem, x: Any) -> LawFit:
     sigmas[free] = np.sqrt(np.diag(_covariance(problem.errors(x), problem.jacobian(x, free))))
     sigmas[:5] *= np.r_[values[:4], STEPS[0]]
     reached = {2: float(np.abs(capture.cross_track).max()), 3: float(np.abs(flown.wanted).max())}
-    parameters = [
+    k1, k2, cross_track_limit, bank_limit, lag = (
         Parameter(float(values[i]), float(sigmas[i])) if i in free else Parameter(reached[i], math.nan, False)
         for i in range(5)
-    ]
+    )
     errors = flown.cross_track - capture.cross_track, flown.bank - capture.bank
     offset, bank = (math.sqrt(float(np.mean(np.square(one)))) for one in errors)
-    return LawFit(*parameters, offset, bank, capture, flown)
+    return LawFit(k1, k2, cross_track_limit, bank_limit, lag, offset, bank, capture, flown)
 
 
 def _covariance(errors: Any, jacobian: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Captures by formula: a point that banks as a law says, or as a pilot does; its ADS-B rows, and the smoothed record."""
+"""Captures by formula: a point that banks by a law or by hand, its ADS-B rows, and the record smoothed from them."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from aircraft.units import preferred
 from autopilot.identification import ROLL_RATE_LIMIT
 from sim.scenario.toml_writer import dumps
 from sim.studies.identification.spread import SHARES, Spread
-from sim.studies.identification.survey import KEYS, Survey
+from sim.studies.identification.survey import KEYS, Survey, scaled
 
 FIGURES = 4  # of a number in the file
 SAMPLES = 100  # of the study, to be changed
@@ -32,12 +32,14 @@ def law_text(found: Survey) -> str | None:
         "study": {"samples": SAMPLES, "axes": {}},
     }
     for name, place in PLACES.items():
-        spelled, factor = KEYS[name]
+        spelled = KEYS[name][0]
         table = tables["autopilot"]["law"] if place.endswith("law") else tables["autopilot"]
-        table[spelled] = _rounded(_known(found.spread[name], middle[name]) / factor)
-        points = _points(found.spread[name], factor)
+        table[spelled] = _rounded(scaled(name, _known(found.spread[name], middle[name])))
+        points = _points(name, found.spread[name])
         if points is not None:
             tables["study"]["axes"][f"{place}.{spelled}"] = {"quantiles": points}
+    if not tables["study"]["axes"]:
+        del tables["study"]
     return "".join(f"# {line}\n" for line in _remarks(found)) + "\n" + dumps(tables)
 
 
@@ -57,13 +59,13 @@ def _known(spread: Spread, value: float) -> float:
     return value if math.isfinite(value) else spread.highest
 
 
-def _points(spread: Spread, factor: float) -> list[list[float]] | None:
+def _points(name: str, spread: Spread) -> list[list[float]] | None:
     """Points of a quantiles axis; None where all captures say the same."""
     if not spread.lowest < spread.highest:
         return None
     inner = [[share, _known(spread, value)] for share, value in zip(SHARES, spread.quantiles, strict=True)]
     points = [[0.0, spread.lowest], *inner, [1.0, spread.highest]]
-    return [[share, _rounded(value / factor)] for share, value in points]
+    return [[share, _rounded(scaled(name, value))] for share, value in points]
 
 
 def _rounded(value: float) -> float:

@@ -15,6 +15,8 @@ from sim.studies.identification.spread import SHARES, Spread, correlations, outl
 
 UNITS = {"k1": "rad/m", "k2": "rad/(m/s)", "cross_track_limit": "m", "bank_limit": "rad", "lag": "s"}
 KEYS = {name: preferred(name, unit) for name, unit in UNITS.items()}  # spelling of files, and its factor to SI
+UNIT_WORDS = {"k1": "deg/m", "k2": "deg/(m/s)", "cross_track_limit": "m", "bank_limit": "deg", "lag": "s"}
+LABELS = {name: name.replace("cross_track", "cross-track").replace("_", " ") for name in NAMES}
 
 
 class Survey(NamedTuple):
@@ -46,6 +48,16 @@ def survey(
     return Survey(source, fits, refused, spreads([*fits.values()]))
 
 
+def sentence(found: Survey) -> str:
+    """How many captures there are, and how many of them a law explains."""
+    flights = len(found.fits) + len(found.refused)
+    some = f"{flights} flight{'s' if flights != 1 else ''}"
+    if not found.fits:
+        return f"{some}, no capture."
+    captures = f"{len(found.fits)} capture{'s' if len(found.fits) != 1 else ''}"
+    return f"{some}, {captures}: law (4) explains {found.explained} of {len(found.fits)}."
+
+
 def as_json(found: Survey) -> dict[str, Any]:
     """All of it by names that carry their unit; what is not known is null."""
     return {
@@ -55,15 +67,14 @@ def as_json(found: Survey) -> dict[str, Any]:
         "explained": found.explained,
         "each": {name: _one(fit, found.spread) for name, fit in found.fits.items()},
         "refused": found.refused,
-        "spread": {KEYS[name][0]: _spread(one, KEYS[name][1]) for name, one in found.spread.items()},
+        "spread": {KEYS[name][0]: _spread(name, one) for name, one in found.spread.items()},
         "rank_correlations": correlations([*found.fits.values()]),
     }
 
 
 def _one(fit: LawFit, spread: dict[str, Spread]) -> dict[str, Any]:
-    numbers = {KEYS[name][0]: _parameter(getattr(fit, name), KEYS[name][1]) for name in NAMES}
     return {
-        **numbers,
+        **{KEYS[name][0]: _parameter(name, getattr(fit, name)) for name in NAMES},
         "frequency_radps": fit.frequency,
         "damping": fit.damping,
         "cross_track_rms_m": fit.cross_track_rms,
@@ -74,36 +85,37 @@ def _one(fit: LawFit, spread: dict[str, Spread]) -> dict[str, Any]:
     }
 
 
-def _parameter(one: Parameter, factor: float) -> dict[str, Any]:
-    return {"value": one.value / factor, "sigma": one.sigma / factor, "met": one.met}
+def _parameter(name: str, one: Parameter) -> dict[str, Any]:
+    return {"value": scaled(name, one.value), "sigma": scaled(name, one.sigma), "met": one.met}
 
 
-def _spread(one: Spread, factor: float) -> dict[str, Any]:
-    quantiles = {f"p{100 * share:g}": value / factor for share, value in zip(SHARES, one.quantiles, strict=True)}
+def _spread(name: str, one: Spread) -> dict[str, Any]:
+    quantiles = {f"p{100 * share:g}": scaled(name, q) for share, q in zip(SHARES, one.quantiles, strict=True)}
     return {**quantiles, "estimated": one.estimated, "bounds": one.bounds}
 
 
 def why(fit: LawFit) -> tuple[str, ...]:
     """What keeps a law from explaining the capture, and which of its limits the capture does not show."""
-    told = [*fit.objections]
-    for name, word in (("cross_track_limit", "cross-track limit"), ("bank_limit", "bank limit")):
-        if not getattr(fit, name).met:
-            told.append(f"the {word} was never met: no less than {number(fit, name)}")
-    return tuple(told)
+    unmet = [name for name in NAMES if not getattr(fit, name).met]
+    told = [f"the {LABELS[name]} was never met: no less than {_digits(fit, name)} {UNIT_WORDS[name]}" for name in unmet]
+    return (*fit.objections, *told)
 
 
-def number(fit: LawFit, name: str) -> str:
-    """One number of a law with its unit, as pages print it."""
-    factor = KEYS[name][1]
-    unit = {"k1": "deg/m", "k2": "deg/(m/s)", "cross_track_limit": "m", "bank_limit": "deg", "lag": "s"}[name]
-    return f"{getattr(fit, name).value / factor:.3g} {unit}"
+def scaled(name: str, value: float) -> float:
+    """A number of the law in the unit of files."""
+    return value / KEYS[name][1]
 
 
 def cells(fit: LawFit) -> list[str]:
-    """Value and standard error of each number in the units of files, "> " before a bound."""
+    """Value and standard error of each number in the units of files, ">=" before a bound."""
     found = []
     for name in NAMES:
-        one, factor = getattr(fit, name), KEYS[name][1]
-        digits = f"{one.value / factor:.3g}"
-        found.append(f"{digits} +- {one.sigma / factor:.2g}" if one.met else f">= {digits}")
+        one = getattr(fit, name)
+        error = f" +- {scaled(name, one.sigma):.2g}" if math.isfinite(one.sigma) else ""
+        found.append(f"{_digits(fit, name)}{error}" if one.met else f">= {_digits(fit, name)}")
     return found
+
+
+def _digits(fit: LawFit, name: str) -> str:
+    value = scaled(name, getattr(fit, name).value)
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
