@@ -9,10 +9,10 @@ import numpy as np
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.last_turn import bank_of_turn, turn_rate
 from autopilot.modes.lateral_navigation import LateralNavigation
-from autopilot.saturation import rate_limit
+from autopilot.saturation import rate_limit, saturate
 
 SAMPLE = 1.0  # s, between the instants of a capture
-STEPS = 4  # of the simulation within one
+STEPS = 2  # of the simulation within one
 
 
 class Capture(NamedTuple):
@@ -35,6 +35,7 @@ class Loop(NamedTuple):
     cross_track: Any  # m, at the first instant
     track_error: Any  # rad
     bank: Any  # rad
+    engaged: Any = -np.inf  # s after the first instant, at which the law takes over from a course that is held
 
 
 class Response(NamedTuple):
@@ -42,7 +43,7 @@ class Response(NamedTuple):
 
     cross_track: Any  # m
     bank: Any  # rad, of the turn
-    wanted: Any  # rad, what the law commands, before its bank limit
+    wanted: Any  # rad, what the law commands before its bank limit, 0 before it has taken over
 
 
 class _Point(NamedTuple):
@@ -55,9 +56,10 @@ class _Point(NamedTuple):
 def response(loop: Loop, capture: Capture) -> Response:
     """How many loops at once would fly a capture, from its first instant on at the ground speed that was recorded.
 
-    z' = V sin(track error), the track turns with g tan(bank) / V, and the bank follows the command of the law with one
-    lag and no faster than the roll-rate limit. Each step takes the command at its middle and is exact in the lag. The
-    bank is read from the turn of the track as it is in a record.
+    z' = V sin(track error), the track turns with g tan(bank) / V, and the bank follows the command with one lag and no
+    faster than the roll-rate limit. The command is wings level until the law takes over. Each step takes the command at
+    its middle and is exact in the lag. The bank is read from the turn of the track as it is in a record; the path is
+    smoothed as the record was.
     """
     dt = SAMPLE / STEPS
     law, speeds = loop.law, _at_the_middles(capture.ground_speed)
@@ -72,14 +74,17 @@ def response(loop: Loop, capture: Capture) -> Response:
     places, tracks, commands = np.empty((2, count, *shape)), np.empty((count, *shape)), np.empty((count, *shape))
     for k in range(count):
         places[0, k], places[1, k], tracks[k] = along, cross_track, track
-        commands[k] = unlimited(_Point(cross_track, capture.ground_speed[k] * np.sin(track)))
+        commands[k] = (k * SAMPLE >= loop.engaged) * unlimited(
+            _Point(cross_track, capture.ground_speed[k] * np.sin(track))
+        )
         if k + 1 == count:
             break
-        for speed in speeds[k]:
+        for step, speed in enumerate(speeds[k]):
+            flies = np.maximum(saturate((k + (step + 1) / STEPS) * SAMPLE - loop.engaged, dt) / dt, 0.0)
             turn = 0.5 * dt * STANDARD_GRAVITY / speed * np.tan(bank)  # by the middle of the step
             rate = speed * np.sin(track)
-            ahead = _Point(cross_track + 0.5 * dt * rate, speed * np.sin(track + turn))
-            before, bank = bank, rate_limit(bank, bank + share * (law(ahead) - bank), loop.roll_rate_limit, dt)
+            wanted = flies * law(_Point(cross_track + 0.5 * dt * rate, speed * np.sin(track + turn)))
+            before, bank = bank, rate_limit(bank, bank + share * (wanted - bank), loop.roll_rate_limit, dt)
             turn = dt * STANDARD_GRAVITY / speed * np.tan(0.5 * (before + bank))
             along = along + dt * speed * np.cos(track + 0.5 * turn)
             cross_track = cross_track + dt * speed * np.sin(track + 0.5 * turn)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from autopilot.identification import NAMES
+from autopilot.law_search import NAMES
 from sim.errors import OutputError, printable
 from sim.files import claim, refuse_foreign, staged, write_json
 from sim.studies.identification.law_file import law_text

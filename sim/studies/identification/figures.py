@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from autopilot.identification import EXPLAINED_BANK, EXPLAINED_CROSS_TRACK, NAMES, LawFit
+from autopilot.identification import EXPLAINED_BANK, EXPLAINED_CROSS_TRACK, LawFit
+from autopilot.law_search import NAMES
 from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart
 from sim.studies.identification.spread import SHARES, outlying

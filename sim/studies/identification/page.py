@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from autopilot.identification import NAMES
+from autopilot.law_search import NAMES
 from sim.reporting.figures import style
 from sim.reporting.page import rendered
 from sim.reporting.text.labels import ABSENT

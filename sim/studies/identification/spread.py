@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from autopilot.identification import NAMES, LawFit, Parameter
+from autopilot.identification import LawFit, Parameter
+from autopilot.law_search import NAMES
 
 SHARES = (0.05, 0.25, 0.5, 0.75, 0.95)
 FEWEST = 5  # captures, of which quantiles are said

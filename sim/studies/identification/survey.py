@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from aircraft.units import preferred
-from autopilot.identification import NAMES, LawFit, Parameter
+from autopilot.identification import LawFit, Parameter
+from autopilot.law_search import NAMES
 from sim.errors import ScenarioError
 from sim.flight.record import Flight
 from sim.studies.identification.captures import identify
