@@ -12,7 +12,7 @@ from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.saturation import rate_limit, saturate
 
 SAMPLE = 1.0  # s, between the instants of a capture
-STEPS = 2  # of the simulation within one
+STEPS = 4  # of the simulation within one
 
 
 class Capture(NamedTuple):

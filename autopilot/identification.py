@@ -14,14 +14,12 @@ import numpy as np
 
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.capture import SAMPLE, Capture, Response, response
-from autopilot.law_search import GREATEST, LATE, LEAST, LIMITS, PARAMETERS, STEPS, Search, never
+from autopilot.law_search import BANK_SCALE, CROSS_TRACK_SCALE, GREATEST, LATE, LEAST, PARAMETERS, STEPS, Search, free
 
 ROLL_RATE_LIMIT = math.radians(5.0)  # rad/s, of autopilots as a rule; no record at 1 Hz tells it from the lag
 EXPLAINED_CROSS_TRACK, EXPLAINED_BANK = 30.0, math.radians(3.0)  # RMS of residuals below which the law explains
 AT_AN_END = 0.02  # of a gain, within which it is at the end of the range where none was found
 SHORTEST = 30  # instants; fewer do not tell nine numbers
-WORTH = 0.15  # of the squares, that a limit or a late engagement must take away to be believed
-DUST = 1e-3  # squares for each instant, in units of the scales: 0.2 m or 0.06 deg, which no record resolves
 MOST_ALIKE = 0.95  # correlation of residuals from one instant to the next; beyond, nothing could be said of errors
 
 
@@ -86,42 +84,36 @@ class LawFit(NamedTuple):
 def identify_law(capture: Capture, roll_rate_limit: float = ROLL_RATE_LIMIT) -> LawFit:
     """Law (4), its limits and the lag of the bank, fitted to one capture [Vasylyev 2003, eq. (4)].
 
-    Many laws are tried at once, the best few are refined by least squares over cross-track and bank together with the
-    place, the course and the bank at the first instant. A law that took over within the capture, and each limit, must
-    pay for itself: a far intercept on its own course looks the same as a heading that was held.
+    Many laws are tried at once, the best are refined by least squares over cross-track and bank together with place,
+    course and bank of the first instant. A law that took over within the capture, and each limit, must pay for itself:
+    a far intercept on its own course looks the same as a heading that was held.
 
     Raises ``ValueError`` for a capture that is too short.
     """
     if len(capture.time) < SHORTEST:
         raise ValueError(f"a capture needs {SHORTEST * SAMPLE:.0f} s of record, not {len(capture.time) * SAMPLE:.0f} s")
     search = Search(capture, roll_rate_limit)
-    whole, late = (min(map(search.refined, starts), key=lambda one: one.cost) for starts in search.starts())
-    dust = DUST * len(capture.time)
-    found = whole if whole.cost < (1.0 + WORTH) * late.cost + dust else late
-    for limit in LIMITS:
-        without = search.refined(never(found.x, limit))
-        if without.cost < (1.0 + WORTH) * found.cost + dust:
-            found = without
-    return _fit(search, found.x)
+    return _fit(search, search.best())
 
 
 def _fit(search: Search, x: Any) -> LawFit:
     """What the best parameters say."""
-    capture, free = search.capture, search.free(x)
+    capture, known = search.capture, free(x)
     flown = response(search.loop(x), capture)
     values = np.r_[np.exp(x[:4]), STEPS[0] * x[4]]
     sigmas = np.full(PARAMETERS, math.nan)
-    sigmas[free] = np.sqrt(np.diag(_covariance(*search.slopes(x, free))))
+    errors, slopes = search.slopes(x[:, None])
+    sigmas[known] = np.sqrt(np.diag(_covariance(errors[:, 0], slopes[:, known, 0])))
     sigmas[:5] *= np.r_[values[:4], STEPS[0]]
     since = float(STEPS[-1] * x[LATE])
     by_law = capture.time - capture.time[0] >= since
     reached = {2: float(np.abs(capture.cross_track[by_law]).max()), 3: float(np.abs(flown.wanted).max())}
     k1, k2, cross_track_limit, bank_limit, lag = (
-        Parameter(float(values[i]), float(sigmas[i])) if i in free else Parameter(reached[i], math.nan, False)
+        Parameter(float(values[i]), float(sigmas[i])) if known[i] else Parameter(reached[i], math.nan, False)
         for i in range(5)
     )
-    errors = flown.cross_track - capture.cross_track, flown.bank - capture.bank
-    offset, bank = (math.sqrt(float(np.mean(np.square(one)))) for one in errors)
+    offset, bank = (math.sqrt(float(np.mean(np.square(one)))) for one in np.split(errors[:, 0], 2))
+    offset, bank = CROSS_TRACK_SCALE * offset, BANK_SCALE * bank
     engaged = float(capture.time[0]) + since if since >= 0.0 else None
     return LawFit(k1, k2, cross_track_limit, bank_limit, lag, engaged, offset, bank, capture, flown)
 

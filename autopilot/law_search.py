@@ -27,18 +27,16 @@ FREQUENCIES = np.geomspace(0.045, 0.3, 7)  # rad/s, of the laws that are tried f
 DAMPINGS = np.geomspace(0.45, 1.8, 5)
 LAGS = (0.5, 2.0, 5.0)  # s
 # cross-track limit over that at which the first course is held (inf = never met), s at which the law takes over
-INTERCEPTS = ((0.7, -1.0), (1.0, -1.0), (1.4, -1.0), (math.inf, -1.0), (0.4, 9.0), (math.inf, 6.0), (math.inf, 10.0))
-STARTS = 2  # refined, of laws that fly all of the capture and of those that take over in it
-EVALUATIONS = 40  # of each at most
+INTERCEPTS = (
+    *((share, -1.0) for share in (0.7, 1.0, 1.4, math.inf)),
+    *((share, since) for share in (0.3, 0.5, 0.8, math.inf) for since in (5.1, 8.1, 11.1)),
+)
+ROUNDS = 40  # of least squares at most
 DIFFERENCE = 1e-5  # of a parameter, for derivatives
-TOLERANCE = 1e-5  # of least squares, relative
-
-
-class Found(NamedTuple):
-    """The least squares near a start."""
-
-    x: Any  # (PARAMETERS,)
-    cost: float
+TOLERANCE = 1e-5  # of the squares, relative: less is no progress
+DAMPED, LEAST_DAMPED, MOST_DAMPED = 1e-2, 1e-7, 1e7  # of the diagonal (Levenberg and Marquardt)
+WORTH = 0.15  # of the squares, that a limit or a late engagement must take away to be believed
+DUST = 1e-3  # squares for each instant, in units of the scales: 0.2 m or 0.06 deg, which no record resolves
 
 
 class Search(NamedTuple):
@@ -68,74 +66,84 @@ class Search(NamedTuple):
         offset = (flown.cross_track - self.capture.cross_track[over]) / CROSS_TRACK_SCALE
         return np.concatenate((offset, (flown.bank - self.capture.bank[over]) / BANK_SCALE))
 
-    def slopes(self, x: Any, free: Any) -> tuple[Any, Any]:
-        """(2 k,) residuals and their derivatives (2 k, free) by differences, of one simulation of all."""
-        moved = np.repeat(x[:, None], len(free) + 1, axis=1)
-        moved[free, 1 + np.arange(len(free))] += DIFFERENCE
-        errors = self.errors(moved)
+    def slopes(self, x: Any) -> tuple[Any, Any]:
+        """Of parameters (PARAMETERS, N): residuals (2 k, N) and their derivatives (2 k, PARAMETERS, N), by differences.
+
+        One simulation of all. What is not looked for has none.
+        """
+        moved = x[:, None] + DIFFERENCE * np.concatenate((np.zeros((PARAMETERS, 1)), np.eye(PARAMETERS)), 1)[..., None]
+        errors = self.errors(np.where(free(x)[:, None], moved, x[:, None]))
         return errors[:, 0], (errors[:, 1:] - errors[:, :1]) / DIFFERENCE
 
-    def free(self, x: Any) -> Any:
-        """Numbers of the parameters that are looked for: no limit that is never met, no time of a law always on."""
-        fixed = {i for i in LIMITS if x[i] > math.log(NEVER) - 1e-6} | ({LATE} if x[LATE] < 0.0 else set())
-        return np.array([i for i in range(PARAMETERS) if i not in fixed])
+    def best(self) -> Any:
+        """(PARAMETERS,) the law to be believed.
 
-    def refined(self, start: Any) -> Found:
-        """The least squares near a start, with the limits that it has."""
-        from scipy.optimize import least_squares
+        All starts are refined; each limit, and each late engagement, must take `WORTH` of the squares away.
+        """
+        x, squares = self.refined(self.starts())
+        extras = free(x)[[*LIMITS, LATE]].sum(axis=0)
+        score = np.log(squares + DUST * len(self.capture.time)) + math.log(1.0 + WORTH) * extras
+        return x[:, int(np.argmin(score))]
 
-        free = self.free(start)
+    def refined(self, x: Any) -> tuple[Any, Any]:
+        """Least squares from starts (PARAMETERS, N), all at once: parameters and their squares (N,).
+
+        Steps of Levenberg and Marquardt within bounds: a parameter that a step would push through its bound stays
+        there.
+        """
+        low, high = self._bounds()
+        x = np.where(free(x), np.clip(x, low[:, None], high[:, None]), x)
+        errors, slopes = self.slopes(x)
+        squares = np.square(errors).sum(axis=0)
+        damped, done = np.full(len(squares), DAMPED), np.zeros(len(squares), bool)
+        for _ in range(ROUNDS):
+            gradient = np.einsum("kpn,kn->np", slopes, errors)
+            still = ((low >= x.T) & (gradient > 0.0)) | ((high <= x.T) & (gradient < 0.0)) | (gradient == 0.0)
+            normal = np.einsum("kpn,kqn->npq", slopes, slopes) * ~still[:, :, None] * ~still[:, None, :]
+            diagonal = np.einsum("npp->np", normal)
+            diagonal += damped[:, None] * diagonal + np.where(still, 1.0, 1e-12)
+            step = np.linalg.solve(normal, -np.where(still, 0.0, gradient)[..., None])[..., 0].T
+            trial = np.where(free(x), np.clip(x + step, low[:, None], high[:, None]), x)
+            trial_errors, trial_slopes = self.slopes(trial)
+            trial_squares = np.square(trial_errors).sum(axis=0)
+            better = trial_squares < squares
+            done |= (better & (squares - trial_squares < TOLERANCE * squares)) | (damped >= MOST_DAMPED)
+            x, errors, slopes = (
+                np.where(better, new, old) for new, old in ((trial, x), (trial_errors, errors), (trial_slopes, slopes))
+            )
+            squares = np.where(better, trial_squares, squares)
+            damped = np.clip(np.where(better, 0.2, 5.0) * damped, LEAST_DAMPED, MOST_DAMPED)
+            if done.all():
+                break
+        return x, squares
+
+    def _bounds(self) -> tuple[Any, Any]:
         low = np.r_[np.log(LEAST[:4]), LEAST[4] / STEPS[0], *(-FARTHEST,) * 3, 0.0]
         high = np.r_[np.log(GREATEST[:4]), GREATEST[4] / STEPS[0], *(FARTHEST,) * 3, LATEST]
         high[2] = max(math.log(1.02 * np.abs(self.capture.cross_track).max()), low[2] + 0.1)  # beyond it is never met
-        low, high = low[free], high[free]
-        known: dict[bytes, tuple[Any, Any]] = {}
+        return low, high
 
-        def whole(some: Any) -> Any:
-            x = start.copy()
-            x[free] = some
-            return x
-
-        def both(some: Any) -> tuple[Any, Any]:
-            key = some.tobytes()
-            if key not in known:  # derivatives cost nothing beside the simulation, and are asked for next
-                known.clear()
-                known[key] = self.slopes(whole(some), free)
-            return known[key]
-
-        found = least_squares(
-            lambda some: both(some)[0],
-            np.clip(start[free], low + 1e-6, high - 1e-6),
-            lambda some: both(some)[1],
-            (low, high),
-            max_nfev=EVALUATIONS,
-            xtol=TOLERANCE,
-            ftol=TOLERANCE,
-        )
-        return Found(whole(found.x), float(found.cost))
-
-    def starts(self) -> tuple[list[Any], list[Any]]:
-        """The best of many laws for the first course: some that fly all of the capture, some that take over in it."""
+    def starts(self) -> Any:
+        """(PARAMETERS, N) for each of `INTERCEPTS`, with a bank limit and without, the best of many laws."""
         capture = self.capture
         rate = abs(float(np.median((capture.ground_speed * np.sin(capture.track_error))[:8])))
-        limits = 0.95 * float(np.abs(capture.bank).max()), NEVER
-        axes = np.meshgrid(FREQUENCIES, DAMPINGS, limits, LAGS, np.arange(len(INTERCEPTS)), indexing="ij")
-        frequency, damping, limit, lag, _ = (axis.reshape(-1, len(INTERCEPTS)) for axis in axes)
+        limits = np.array((0.95 * float(np.abs(capture.bank).max()), NEVER))
+        kinds = np.arange(len(INTERCEPTS))
+        axes = np.meshgrid(FREQUENCIES, DAMPINGS, LAGS, kinds, limits, indexing="ij")
+        frequency, damping, lag, kind, limit = (axis.reshape(-1, len(kinds) * len(limits)) for axis in axes)
+        share, since = np.moveaxis(np.array(INTERCEPTS)[kind.astype(int)], -1, 0)
         k1, k2 = frequency**2 / STANDARD_GRAVITY, 2.0 * damping * frequency / STANDARD_GRAVITY
-        share, engaged = np.array(INTERCEPTS).T[:, None] * np.ones_like(k1)
         reach = np.where(np.isinf(share), NEVER, np.maximum(share * k2 * rate / k1, LEAST[2]))
         zero = np.zeros_like(k1)
-        tried = np.stack((*np.log([k1, k2, reach, limit]), lag / STEPS[0], zero, zero, zero, engaged / STEPS[-1]))
+        tried = np.stack((*np.log([k1, k2, reach, limit]), lag / STEPS[0], zero, zero, zero, since / STEPS[-1]))
         rough = self._replace(capture=capture._replace(smoother=None))  # it costs more than the rest, for many laws
-        cost = np.square(rough.errors(tried)).sum(axis=0)
-        best, order = np.argmin(cost, axis=0), np.argsort(cost.min(axis=0), kind="stable")
-        late = tried[LATE, 0, order] >= 0.0
-        whole, taking_over = (order[which][:STARTS] for which in (~late, late))
-        return [tried[:, best[i], i] for i in whole], [tried[:, best[i], i] for i in taking_over]
+        chosen = np.argmin(np.square(rough.errors(tried)).sum(axis=0), axis=0)
+        return tried[:, chosen, np.arange(tried.shape[-1])]
 
 
-def never(x: Any, limit: int) -> Any:
-    """The same parameters without a limit."""
-    without = x.copy()
-    without[limit] = math.log(NEVER)
-    return without
+def free(x: Any) -> Any:
+    """(PARAMETERS, *B) what is looked for: no limit that is never met, no time of a law that is always on."""
+    looked = np.ones(np.shape(x), bool)
+    looked[list(LIMITS)] = x[list(LIMITS)] < math.log(NEVER) - 1e-6
+    looked[LATE] = x[LATE] >= 0.0
+    return looked

@@ -105,6 +105,26 @@ def drawn_capture(rng):
     return truth, fly(by_law(truth.law), truth.lag, -side * offset, side * course, speed, slowing, until=260.0)
 
 
+def drawn_late_capture(rng):
+    """A capture from a heading of 25 to 60 degrees that is held until 0 to 5 s after the law would turn in."""
+    truth, _ = drawn_law(rng)
+    side, speed = rng.choice([-1.0, 1.0]), rng.uniform(85.0, 105.0)
+    course = math.radians(rng.uniform(25.0, 60.0))
+    turn_in = truth.law.k2 * speed * math.sin(course) / truth.law.k1  # m, where the law balances the heading
+    offset = min(turn_in, truth.law.cross_track_limit) - rng.uniform(0.0, 5.0) * speed * math.sin(course)
+    if offset < 150.0:  # past the line before it is armed
+        return drawn_late_capture(rng)
+    flown_by, armed = by_law(truth.law), []
+
+    def bank(time, cross_track, course, speed):
+        if abs(cross_track) < offset:
+            armed.append(time)
+        return flown_by(time, cross_track, course, speed) if armed else 0.0
+
+    start = offset + 40.0 * speed * math.sin(course)
+    return truth, fly(bank, truth.lag, -side * start, side * course, speed, rng.uniform(0.1, 0.4), until=240.0)
+
+
 def drawn_by_hand(rng):
     """A pilot: a heading, one bank at a time onto others short of the leg's and beyond, each held for a while."""
     side, speed = rng.choice([-1.0, 1.0]), rng.uniform(85.0, 105.0)
