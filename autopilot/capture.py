@@ -9,7 +9,7 @@ import numpy as np
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.last_turn import bank_of_turn, turn_rate
 from autopilot.modes.lateral_navigation import LateralNavigation
-from autopilot.saturation import rate_limit, saturate
+from autopilot.saturation import rate_limit
 
 SAMPLE = 1.0  # s, between the instants of a capture
 STEPS = 4  # of the simulation within one
@@ -70,7 +70,7 @@ def response(loop: Loop, capture: Capture) -> Response:
     track = np.broadcast_to(np.asarray(loop.track_error, float), shape)
     bank = np.broadcast_to(np.asarray(loop.bank, float), shape)
     count = len(capture.time)
-    along = np.zeros(shape)
+    along, latest = np.zeros(shape), np.max(loop.engaged)
     places, tracks, commands = np.empty((2, count, *shape)), np.empty((count, *shape)), np.empty((count, *shape))
     for k in range(count):
         places[0, k], places[1, k], tracks[k] = along, cross_track, track
@@ -80,11 +80,14 @@ def response(loop: Loop, capture: Capture) -> Response:
         if k + 1 == count:
             break
         for step, speed in enumerate(speeds[k]):
-            flies = np.maximum(saturate((k + (step + 1) / STEPS) * SAMPLE - loop.engaged, dt) / dt, 0.0)
             turn = 0.5 * dt * STANDARD_GRAVITY / speed * np.tan(bank)  # by the middle of the step
             rate = speed * np.sin(track)
-            wanted = flies * law(_Point(cross_track + 0.5 * dt * rate, speed * np.sin(track + turn)))
+            wanted = law(_Point(cross_track + 0.5 * dt * rate, speed * np.sin(track + turn)))
             before, bank = bank, rate_limit(bank, bank + share * (wanted - bank), loop.roll_rate_limit, dt)
+            if k * SAMPLE <= latest:
+                held = rate_limit(before, (1.0 - share) * before, loop.roll_rate_limit, dt)
+                by_law = np.clip(((k + (step + 1) / STEPS) * SAMPLE - loop.engaged) / dt, 0.0, 1.0)  # of the step
+                bank = held + by_law * (bank - held)
             turn = dt * STANDARD_GRAVITY / speed * np.tan(0.5 * (before + bank))
             along = along + dt * speed * np.cos(track + 0.5 * turn)
             cross_track = cross_track + dt * speed * np.sin(track + 0.5 * turn)

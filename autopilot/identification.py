@@ -14,12 +14,13 @@ import numpy as np
 
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.capture import SAMPLE, Capture, Response, response
-from autopilot.law_search import BANK_SCALE, CROSS_TRACK_SCALE, GREATEST, LATE, LEAST, PARAMETERS, STEPS, Search, free
+from autopilot.law_search import BANK_SCALE, CROSS_TRACK_SCALE, LATE, PARAMETERS, STEPS, Search, free
 
 ROLL_RATE_LIMIT = math.radians(5.0)  # rad/s, of autopilots as a rule; no record at 1 Hz tells it from the lag
 EXPLAINED_CROSS_TRACK, EXPLAINED_BANK = 30.0, math.radians(3.0)  # RMS of residuals below which the law explains
-AT_AN_END = 0.02  # of a gain, within which it is at the end of the range where none was found
+LONGEST_APPROACH = 60.0  # s, k2 / k1, with which a law without limits nears its leg; slower, a capture does not show it
 SHORTEST = 30  # instants; fewer do not tell nine numbers
+UNSEEN = 5.0  # s, or the lag if that is longer, for which a limit may act without being seen
 MOST_ALIKE = 0.95  # correlation of residuals from one instant to the next; beyond, nothing could be said of errors
 
 
@@ -28,7 +29,7 @@ class Parameter(NamedTuple):
 
     value: float
     sigma: float  # standard error; NaN where the value is a bound
-    met: bool = True  # False: a limit that never acted; it is no less than the value
+    met: bool = True  # False: a limit that was not seen to act; it is no less than the value, or hardly
 
 
 class LawFit(NamedTuple):
@@ -59,10 +60,9 @@ class LawFit(NamedTuple):
         if self.bank_rms >= EXPLAINED_BANK:
             told, most = (math.degrees(value) for value in (self.bank_rms, EXPLAINED_BANK))
             found.append(f"bank residuals of {told:.1f} deg, {most:.0f} allowed")
-        names = {"k1": self.k1, "k2": self.k2}
-        for i, (name, one) in enumerate(names.items()):
-            if not (1.0 + AT_AN_END) * LEAST[i] < one.value < (1.0 - AT_AN_END) * GREATEST[i]:
-                found.append(f"{name} lies at an end of what is looked for")
+        approach = self.k2.value / self.k1.value
+        if approach > LONGEST_APPROACH:
+            found.append(f"a course is steered, not the line: it would be approached with {approach:.0f} s")
         return tuple(found)
 
     @property
@@ -107,7 +107,8 @@ def _fit(search: Search, x: Any) -> LawFit:
     sigmas[:5] *= np.r_[values[:4], STEPS[0]]
     since = float(STEPS[-1] * x[LATE])
     by_law = capture.time - capture.time[0] >= since
-    reached = {2: float(np.abs(capture.cross_track[by_law]).max()), 3: float(np.abs(flown.wanted).max())}
+    unseen = int(max(UNSEEN, values[4]) / SAMPLE)
+    reached = {2: _held(capture.cross_track[by_law], unseen), 3: _held(flown.wanted[by_law], unseen)}
     k1, k2, cross_track_limit, bank_limit, lag = (
         Parameter(float(values[i]), float(sigmas[i])) if known[i] else Parameter(reached[i], math.nan, False)
         for i in range(5)
@@ -116,6 +117,11 @@ def _fit(search: Search, x: Any) -> LawFit:
     offset, bank = CROSS_TRACK_SCALE * offset, BANK_SCALE * bank
     engaged = float(capture.time[0]) + since if since >= 0.0 else None
     return LawFit(k1, k2, cross_track_limit, bank_limit, lag, engaged, offset, bank, capture, flown)
+
+
+def _held(values: Any, instants: int) -> float:
+    """The largest size that is reached or passed at so many instants and one more."""
+    return float(np.sort(np.abs(values))[::-1][min(instants, len(values) - 1)])
 
 
 def _covariance(errors: Any, jacobian: Any) -> Any:

@@ -35,7 +35,10 @@ ROUNDS = 40  # of least squares at most
 DIFFERENCE = 1e-5  # of a parameter, for derivatives
 TOLERANCE = 1e-5  # of the squares, relative: less is no progress
 DAMPED, LEAST_DAMPED, MOST_DAMPED = 1e-2, 1e-7, 1e7  # of the diagonal (Levenberg and Marquardt)
-WORTH = 0.15  # of the squares, that a limit or a late engagement must take away to be believed
+# share of its squares by which a fit without it is worse, from which on something is believed: either limit, and taking
+# over late. Of 60 captures by known laws, a limit that never acted took away 13 % at most, one that did 75 % in the
+# median; for a law that took over late and one that did not it is 32 % and 34 %
+WORTH = np.array([0.15, 0.15, 0.4])
 DUST = 1e-3  # squares for each instant, in units of the scales: 0.2 m or 0.06 deg, which no record resolves
 
 
@@ -76,13 +79,9 @@ class Search(NamedTuple):
         return errors[:, 0], (errors[:, 1:] - errors[:, :1]) / DIFFERENCE
 
     def best(self) -> Any:
-        """(PARAMETERS,) the law to be believed.
-
-        All starts are refined; each limit, and each late engagement, must take `WORTH` of the squares away.
-        """
+        """(PARAMETERS,) the law to be believed: of all starts, the best by its squares and `WORTH`."""
         x, squares = self.refined(self.starts())
-        extras = free(x)[[*LIMITS, LATE]].sum(axis=0)
-        score = np.log(squares + DUST * len(self.capture.time)) + math.log(1.0 + WORTH) * extras
+        score = np.log(squares + DUST * len(self.capture.time)) + np.log1p(WORTH) @ free(x)[[*LIMITS, LATE]]
         return x[:, int(np.argmin(score))]
 
     def refined(self, x: Any) -> tuple[Any, Any]:
