@@ -31,7 +31,8 @@ INTERCEPTS = (
     *((share, -1.0) for share in (0.7, 1.0, 1.4, math.inf)),
     *((share, since) for share in (0.3, 0.5, 0.8, math.inf) for since in (5.1, 8.1, 11.1)),
 )
-ROUNDS = 40  # of least squares at most
+FIRST_ROUNDS, ROUNDS = 10, 40  # of least squares: of all starts, and at most of the best `KEPT` with the same limits
+KEPT = 2
 DIFFERENCE = 1e-5  # of a parameter, for derivatives
 TOLERANCE = 1e-5  # of the squares, relative: less is no progress
 DAMPED, LEAST_DAMPED, MOST_DAMPED = 1e-2, 1e-7, 1e7  # of the diagonal (Levenberg and Marquardt)
@@ -80,11 +81,15 @@ class Search(NamedTuple):
 
     def best(self) -> Any:
         """(PARAMETERS,) the law to be believed: of all starts, the best by its squares and `WORTH`."""
-        x, squares = self.refined(self.starts())
+        x, squares = self.refined(self.starts(), FIRST_ROUNDS)
+        kinds = free(x)[[*LIMITS, LATE]].T @ (1, 2, 4)
+        order = np.argsort(squares, kind="stable")
+        kept = np.concatenate([order[kinds[order] == kind][:KEPT] for kind in np.unique(kinds)])
+        x, squares = self.refined(x[:, kept], ROUNDS)
         score = np.log(squares + DUST * len(self.capture.time)) + np.log1p(WORTH) @ free(x)[[*LIMITS, LATE]]
         return x[:, int(np.argmin(score))]
 
-    def refined(self, x: Any) -> tuple[Any, Any]:
+    def refined(self, x: Any, rounds: int) -> tuple[Any, Any]:
         """Least squares from starts (PARAMETERS, N), all at once: parameters and their squares (N,).
 
         Steps of Levenberg and Marquardt within bounds: a parameter that a step would push through its bound stays
@@ -95,7 +100,7 @@ class Search(NamedTuple):
         errors, slopes = self.slopes(x)
         squares = np.square(errors).sum(axis=0)
         damped, done = np.full(len(squares), DAMPED), np.zeros(len(squares), bool)
-        for _ in range(ROUNDS):
+        for _ in range(rounds):
             gradient = np.einsum("kpn,kn->np", slopes, errors)
             still = ((low >= x.T) & (gradient > 0.0)) | ((high <= x.T) & (gradient < 0.0)) | (gradient == 0.0)
             normal = np.einsum("kpn,kqn->npq", slopes, slopes) * ~still[:, :, None] * ~still[:, None, :]
@@ -123,13 +128,14 @@ class Search(NamedTuple):
         return low, high
 
     def starts(self) -> Any:
-        """(PARAMETERS, N) for each of `INTERCEPTS`, with a bank limit and without, the best of many laws."""
+        """(PARAMETERS, N) for each of `INTERCEPTS` and `LAGS`, with a bank limit and without, the best of many laws."""
         capture = self.capture
         rate = abs(float(np.median((capture.ground_speed * np.sin(capture.track_error))[:8])))
         limits = np.array((0.95 * float(np.abs(capture.bank).max()), NEVER))
         kinds = np.arange(len(INTERCEPTS))
         axes = np.meshgrid(FREQUENCIES, DAMPINGS, LAGS, kinds, limits, indexing="ij")
-        frequency, damping, lag, kind, limit = (axis.reshape(-1, len(kinds) * len(limits)) for axis in axes)
+        some = len(FREQUENCIES) * len(DAMPINGS)
+        frequency, damping, lag, kind, limit = (axis.reshape(some, -1) for axis in axes)
         share, since = np.moveaxis(np.array(INTERCEPTS)[kind.astype(int)], -1, 0)
         k1, k2 = frequency**2 / STANDARD_GRAVITY, 2.0 * damping * frequency / STANDARD_GRAVITY
         reach = np.where(np.isinf(share), NEVER, np.maximum(share * k2 * rate / k1, LEAST[2]))

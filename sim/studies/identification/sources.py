@@ -29,7 +29,7 @@ def flights_of(source: Path, runway: Path | None, plugins: Any = ()) -> Mapping[
         return {source.name: _of_run(source, plugins)}
     if runway is None:
         raise OutputError(f"{source}: say --runway FILE, the runway that the flights land on")
-    from sim.flight.recording import recorded
+    from sim.flight.recording.flights import recorded
 
     flights: Mapping[str, Flight] = recorded(source, runway)
     return flights
