@@ -20,7 +20,7 @@ ROLL_RATE_LIMIT = math.radians(5.0)  # rad/s, of autopilots as a rule; no record
 EXPLAINED_CROSS_TRACK, EXPLAINED_BANK = 30.0, math.radians(3.0)  # RMS of residuals below which the law explains
 LONGEST_APPROACH = 60.0  # s, k2 / k1, with which a law without limits nears its leg; slower, a capture does not show it
 SHORTEST = 30  # instants; fewer do not tell nine numbers
-UNSEEN = 5.0  # s, or the lag if that is longer, for which a limit may act without being seen
+UNSEEN = 8.0  # s, or the lag if that is longer, for which a limit may act without being seen (of 75 bounds, 1 is wrong)
 MOST_ALIKE = 0.95  # correlation of residuals from one instant to the next; beyond, nothing could be said of errors
 
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 import functools
 import json
 import math
+import subprocess
+import sys
 import time
 import tomllib
 
@@ -15,7 +17,6 @@ import numpy as np
 import pytest
 
 import sim
-from autopilot.law_search import NAMES
 from tests import captures
 
 pytestmark = pytest.mark.acceptance
@@ -101,6 +102,15 @@ def test_laws_are_recovered_through_the_errors_of_a_recording(row):
     assert held
 
 
+def test_the_bank_of_the_turn_is_that_of_the_aircraft_but_for_its_slip(row):
+    """A320 and An-26 turn at some per cent less or more than g tan(bank): the limit that is identified is the turn's."""
+    off = [math.degrees(fit.bank_limit.value - law.bank_limit) for law, fit in found()[len(POINTS) :]]
+    met = max(map(abs, off)) <= 1.5
+    told = f"{min(off):.1f} to {max(off):.1f} deg"
+    row("identify, 6 flights in JSBSim: bank limit less the autopilot's", "<= 1.5 deg", told, met)
+    assert met
+
+
 def test_all_of_them_are_explained(row):
     explained = sum(fit.explained for _, fit in found())
     row("identify, 40 flights of known law: explained", ">= 38", str(explained), explained >= 38)
@@ -108,10 +118,13 @@ def test_all_of_them_are_explained(row):
 
 
 def test_standard_errors_are_honest(row):
-    """Two standard errors hold the truth for most: they are to first order, and of one capture of 80 s."""
+    """Two standard errors hold the truth for most: they are to first order, and of one capture of 80 s.
+
+    Of the captures by a point, which do what law and lag say; an aircraft also slips in its turns.
+    """
     worst = 1.0
     for name in ("k1", "k2", "cross_track_limit", "bank_limit"):
-        both = [(getattr(fit, name), getattr(law, name)) for law, fit in found()]
+        both = [(getattr(fit, name), getattr(law, name)) for law, fit in found()[: len(POINTS)]]
         off = np.array([abs(one.value - true) / one.sigma for one, true in both if one.met])
         one, two = float(np.mean(off < 1.0)), float(np.mean(off < 2.0))
         told = f"{100 * one:.0f} % within one, {100 * two:.0f} % within two standard errors, of {len(off)}"
@@ -160,8 +173,14 @@ def test_a_capture_takes_a_second_at_most(row):
     row("identify: CPU of a capture", "<= 1 s", f"{each:.2f} s", each <= 1.0)  # no verdict: it depends on the machine
 
 
-def test_the_command_on_a_run_gives_a_law_that_a_scenario_flies(tmp_path, command):
-    assert command("run", "an26_pattern", "--draws", 1, "-o", tmp_path / "run").returncode == 0
+def command(*arguments):
+    """``shortfinal`` with these arguments."""
+    line = [sys.executable, "-m", "sim", *map(str, arguments)]
+    return subprocess.run(line, capture_output=True, text=True, timeout=300)
+
+
+def test_the_command_on_a_run_gives_a_law_that_a_scenario_flies(tmp_path):
+    assert command("run", "an26_pattern", "--draws", 2, "-o", tmp_path / "run").returncode == 0
     done = command("identify", tmp_path / "run", "-o", tmp_path / "law")
     assert done.returncode == 0, done.stderr
     assert "law (4) explains 1 of 1" in done.stdout
@@ -178,4 +197,3 @@ def test_the_command_on_a_run_gives_a_law_that_a_scenario_flies(tmp_path, comman
     assert again.stdout.splitlines()[:4] == done.stdout.splitlines()[:4]
     for file in ("identification.json", "identification.html", "law.toml"):
         assert (tmp_path / "again" / file).read_bytes() == (tmp_path / "law" / file).read_bytes()
-    assert set(NAMES) == {"k1", "k2", "cross_track_limit", "bank_limit", "lag"}
