@@ -103,7 +103,7 @@ def test_laws_are_recovered_through_the_errors_of_a_recording(row):
 
 
 def test_the_bank_of_the_turn_is_that_of_the_aircraft_but_for_its_slip(row):
-    """A320 and An-26 turn at some per cent less or more than g tan(bank): the limit that is identified is the turn's."""
+    """A320 and An-26 turn at some per cent less or more than g tan(bank); what is identified is the turn's."""
     off = [math.degrees(fit.bank_limit.value - law.bank_limit) for law, fit in found()[len(POINTS) :]]
     met = max(map(abs, off)) <= 1.5
     told = f"{min(off):.1f} to {max(off):.1f} deg"
