@@ -35,6 +35,7 @@ class Loop(NamedTuple):
     cross_track: Any  # m, at the first instant
     track_error: Any  # rad
     bank: Any  # rad
+    line: Any = 0.0  # m, cross-track of the line that the law holds
     engaged: Any = -np.inf  # s after the first instant, at which the law takes over from a course that is held
 
 
@@ -66,7 +67,7 @@ def response(loop: Loop, capture: Capture) -> Response:
     share = -np.expm1(-dt / loop.lag)  # of the way to the command, in one step
     unlimited = LateralNavigation(law.k1, law.k2, np.inf, law.cross_track_limit, np.inf)
     shape = np.broadcast_shapes(*map(np.shape, (law.k1, loop.lag, loop.cross_track)))
-    cross_track = np.broadcast_to(np.asarray(loop.cross_track, float), shape)
+    cross_track = np.broadcast_to(np.asarray(loop.cross_track - loop.line, float), shape)
     track = np.broadcast_to(np.asarray(loop.track_error, float), shape)
     bank = np.broadcast_to(np.asarray(loop.bank, float), shape)
     count = len(capture.time)
@@ -93,6 +94,7 @@ def response(loop: Loop, capture: Capture) -> Response:
             cross_track = cross_track + dt * speed * np.sin(track + 0.5 * turn)
             track = track + turn
     speed = np.reshape(capture.ground_speed, (count, *(1,) * len(shape)))
+    places[1] += loop.line
     if capture.smoother is not None:
         places = _smoothed(places, capture.smoother)
         tracks = np.arctan2(*_smoothed(speed * np.array((np.cos(tracks), np.sin(tracks))), capture.smoother)[::-1])

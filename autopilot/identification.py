@@ -14,7 +14,7 @@ import numpy as np
 
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.capture import SAMPLE, Capture, Response, response
-from autopilot.law_search import BANK_SCALE, CROSS_TRACK_SCALE, LATE, PARAMETERS, STEPS, Search, free
+from autopilot.law_search import BANK_SCALE, CROSS_TRACK_SCALE, LATE, LINE, PARAMETERS, STEPS, Search, free
 
 ROLL_RATE_LIMIT = math.radians(5.0)  # rad/s, of autopilots as a rule; no record at 1 Hz tells it from the lag
 EXPLAINED_CROSS_TRACK, EXPLAINED_BANK = 30.0, math.radians(3.0)  # RMS of residuals below which the law explains
@@ -40,6 +40,7 @@ class LawFit(NamedTuple):
     cross_track_limit: Parameter  # m
     bank_limit: Parameter  # rad
     lag: Parameter  # s, of the bank behind its command
+    line: Parameter  # m, cross-track of the line that was held, beside the leg
     engaged: float | None  # s, time at which the law took over from a held course; None = it flew all of the capture
     cross_track_rms: float  # m, of the residuals
     bank_rms: float  # rad
@@ -86,7 +87,8 @@ def identify_law(capture: Capture, roll_rate_limit: float = ROLL_RATE_LIMIT) -> 
 
     Many laws are tried at once, the best are refined by least squares over cross-track and bank together with place,
     course and bank of the first instant. A law that took over within the capture, and each limit, must pay for itself:
-    a far intercept on its own course looks the same as a heading that was held.
+    a far intercept on its own course looks the same as a heading that was held. The line that is held may lie beside
+    the leg, as a beam beside a published course: else k1 and the cross-track limit would answer for it.
 
     Raises ``ValueError`` for a capture that is too short.
     """
@@ -104,8 +106,8 @@ def _fit(search: Search, x: Any) -> LawFit:
     sigmas = np.full(PARAMETERS, math.nan)
     errors, slopes = search.slopes(x[:, None])
     sigmas[known] = np.sqrt(np.diag(_covariance(errors[:, 0], slopes[:, known, 0])))
-    sigmas[:5] *= np.r_[values[:4], STEPS[0]]
-    since = float(STEPS[-1] * x[LATE])
+    sigmas *= np.r_[values[:4], STEPS]
+    since = float(STEPS[LATE - 4] * x[LATE])
     by_law = capture.time - capture.time[0] >= since
     unseen = int(max(UNSEEN, values[4]) / SAMPLE)
     reached = {2: _held(capture.cross_track[by_law], unseen), 3: _held(flown.wanted[by_law], unseen)}
@@ -113,10 +115,11 @@ def _fit(search: Search, x: Any) -> LawFit:
         Parameter(float(values[i]), float(sigmas[i])) if known[i] else Parameter(reached[i], math.nan, False)
         for i in range(5)
     )
-    offset, bank = (math.sqrt(float(np.mean(np.square(one)))) for one in np.split(errors[:, 0], 2))
+    offset, bank = (math.sqrt(float(np.mean(np.square(one)))) for one in np.split(errors[:-1, 0], 2))
     offset, bank = CROSS_TRACK_SCALE * offset, BANK_SCALE * bank
     engaged = float(capture.time[0]) + since if since >= 0.0 else None
-    return LawFit(k1, k2, cross_track_limit, bank_limit, lag, engaged, offset, bank, capture, flown)
+    line = Parameter(float(STEPS[LINE - 4] * x[LINE]), float(sigmas[LINE]))
+    return LawFit(k1, k2, cross_track_limit, bank_limit, lag, line, engaged, offset, bank, capture, flown)
 
 
 def _held(values: Any, instants: int) -> float:
@@ -125,7 +128,7 @@ def _held(values: Any, instants: int) -> float:
 
 
 def _covariance(errors: Any, jacobian: Any) -> Any:
-    """Of the parameters, from the Jacobian (2 k, p), where errors (2 k,) near in time are alike.
+    """Of the parameters, from the Jacobian (2 k + 1, p), where errors (2 k + 1,) near in time are alike.
 
     What a smoother, a gust or a law that is not quite this one leaves in cross-track and bank is no white noise. With
     the correlation a from one instant to the next, each channel has as many independent errors as k (1 - a) / (1 + a)
@@ -135,7 +138,7 @@ def _covariance(errors: Any, jacobian: Any) -> Any:
     freedom = count - 0.5 * jacobian.shape[1]
     inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-12, hermitian=True)
     middle = 0.0
-    for channel in (slice(count), slice(count, None)):
+    for channel in (slice(count), slice(count, 2 * count)):
         left, slopes = errors[channel], jacobian[channel]
         squares = max(float(left @ left), 1e-300)
         alike = float(left[1:] @ left[:-1]) / squares

@@ -18,8 +18,9 @@ NAMES = ("k1", "k2", "cross_track_limit", "bank_limit", "lag")
 LEAST = np.array([math.radians(3e-3), math.radians(0.08), 20.0, math.radians(2.0), 0.05])  # of NAMES, SI
 GREATEST = np.array([math.radians(1.0), math.radians(8.0), 2e4, math.radians(45.0), 15.0])
 LIMITS = (2, 3)  # of NAMES
-LATE, PARAMETERS = 8, 9  # place of the time at which the law takes over, and count
-STEPS = np.array([2.0, 20.0, 0.05, 0.05, 2.0])  # SI, of all behind the logarithms
+LATE, LINE, PARAMETERS = 8, 9, 10  # places of the time at which the law takes over and of the line, and count
+STEPS = np.array([2.0, 20.0, 0.05, 0.05, 2.0, 20.0])  # SI, of all behind the logarithms
+LINE_SIGMA = 40.0  # m, by which the line that is held may lie beside the leg: .1 deg of course at 12 nautical miles
 FARTHEST, LATEST = 10.0, 20.0  # steps from the record at the first instant; of taking over
 NEVER = 1e9  # SI, of a limit that never acts
 
@@ -47,8 +48,8 @@ class Search(NamedTuple):
     """Least squares over one capture.
 
     Parameters are the logarithms of k1, k2 and both limits; then, in `STEPS`, the lag, what corrects cross-track, track
-    error and bank of the first instant, and when the law takes over. A limit that is `NEVER` met is none, and a law
-    that takes over before the first instant flies all of it.
+    error and bank of the first instant, when the law takes over, and the cross-track of the line that it holds. A limit
+    that is `NEVER` met is none, and a law that takes over before the first instant flies all of it.
     """
 
     capture: Capture
@@ -58,22 +59,23 @@ class Search(NamedTuple):
         """Of parameters (PARAMETERS, *B)."""
         k1, k2, cross_track_limit, bank_limit = np.exp(x[:4])
         law = LateralNavigation(k1, k2, bank_limit, cross_track_limit, np.inf)
-        lag, offset, track, bank, engaged = (step * value for step, value in zip(STEPS, x[4:], strict=True))
+        lag, offset, track, bank, engaged, line = (step * value for step, value in zip(STEPS, x[4:], strict=True))
         first = self.capture
         begin = first.cross_track[0] + offset, first.track_error[0] + track, first.bank[0] + bank
-        return Loop(law, lag, self.roll_rate_limit, begin[0], begin[1], begin[2], engaged)
+        return Loop(law, lag, self.roll_rate_limit, begin[0], begin[1], begin[2], line, engaged)
 
     def errors(self, x: Any) -> Any:
-        """(2 k, *B) residuals in units of their scales, cross-track first."""
+        """(2 k + 1, *B) residuals in units of their scales: cross-track, bank, and how far the line is from the leg."""
         flown = response(self.loop(x), self.capture)
         over = (slice(None), *(None,) * (np.ndim(x) - 1))
         offset = (flown.cross_track - self.capture.cross_track[over]) / CROSS_TRACK_SCALE
-        return np.concatenate((offset, (flown.bank - self.capture.bank[over]) / BANK_SCALE))
+        bank = (flown.bank - self.capture.bank[over]) / BANK_SCALE
+        return np.concatenate((offset, bank, STEPS[LINE - 4] / LINE_SIGMA * x[LINE:]))
 
     def slopes(self, x: Any) -> tuple[Any, Any]:
-        """Of parameters (PARAMETERS, N): residuals (2 k, N) and their derivatives (2 k, PARAMETERS, N), by differences.
+        """Of parameters (PARAMETERS, N): residuals (2 k + 1, N) and their derivatives (2 k + 1, PARAMETERS, N).
 
-        One simulation of all. What is not looked for has none.
+        By differences, of one simulation of all. What is not looked for has none.
         """
         moved = x[:, None] + DIFFERENCE * np.concatenate((np.zeros((PARAMETERS, 1)), np.eye(PARAMETERS)), 1)[..., None]
         errors = self.errors(np.where(free(x)[:, None], moved, x[:, None]))
@@ -122,8 +124,8 @@ class Search(NamedTuple):
         return x, squares
 
     def _bounds(self) -> tuple[Any, Any]:
-        low = np.r_[np.log(LEAST[:4]), LEAST[4] / STEPS[0], *(-FARTHEST,) * 3, 0.0]
-        high = np.r_[np.log(GREATEST[:4]), GREATEST[4] / STEPS[0], *(FARTHEST,) * 3, LATEST]
+        low = np.r_[np.log(LEAST[:4]), LEAST[4] / STEPS[0], *(-FARTHEST,) * 3, 0.0, -FARTHEST]
+        high = np.r_[np.log(GREATEST[:4]), GREATEST[4] / STEPS[0], *(FARTHEST,) * 3, LATEST, FARTHEST]
         high[2] = max(math.log(1.02 * np.abs(self.capture.cross_track).max()), low[2] + 0.1)  # beyond it is never met
         return low, high
 
@@ -140,7 +142,9 @@ class Search(NamedTuple):
         k1, k2 = frequency**2 / STANDARD_GRAVITY, 2.0 * damping * frequency / STANDARD_GRAVITY
         reach = np.where(np.isinf(share), NEVER, np.maximum(share * k2 * rate / k1, LEAST[2]))
         zero = np.zeros_like(k1)
-        tried = np.stack((*np.log([k1, k2, reach, limit]), lag / STEPS[0], zero, zero, zero, since / STEPS[-1]))
+        tried = np.stack(
+            (*np.log([k1, k2, reach, limit]), lag / STEPS[0], zero, zero, zero, since / STEPS[LATE - 4], zero)
+        )
         rough = self._replace(capture=capture._replace(smoother=None))  # it costs more than the rest, for many laws
         chosen = np.argmin(np.square(rough.errors(tried)).sum(axis=0), axis=0)
         return tried[:, chosen, np.arange(tried.shape[-1])]

@@ -90,7 +90,8 @@ Data
 - `LawFit` - the route law that comes nearest to a capture (autopilot.identification)
     - ``k1`` rad/m, ``k2`` rad/(m/s), ``cross_track_limit`` m, ``bank_limit`` rad, and ``lag`` s of the bank: each with
       its value, its standard error sigma, and met = False for a limit that never acted and is no less than the value
-    - ``engaged`` s, when it took over from a held course, or None where it flew all of the capture
+    - ``line`` m, the cross-track of the line that it held, likewise; ``engaged`` s, when it took over from a held
+      course, or None where it flew all of the capture
     - ``cross_track_rms`` m, ``bank_rms`` rad - what the law leaves; ``explained``, and ``objections``, sentences
     - ``capture`` - the record of it; ``flown`` - the same by the law; ``frequency`` rad/s and ``damping`` of the law
 - `Result` - what a run found out (sim.result)

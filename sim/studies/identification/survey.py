@@ -76,6 +76,7 @@ def as_json(found: Survey) -> dict[str, Any]:
 def _one(fit: LawFit, spread: dict[str, Spread]) -> dict[str, Any]:
     return {
         **{KEYS[name][0]: _parameter(name, getattr(fit, name)) for name in NAMES},
+        "line_m": {"value": fit.line.value, "sigma": fit.line.sigma},
         "frequency_radps": fit.frequency,
         "damping": fit.damping,
         "cross_track_rms_m": fit.cross_track_rms,

@@ -43,14 +43,15 @@ def limited():
 
 @pytest.fixture(scope="module")
 def late():
-    """A heading that is held until 500 m before the line: the law meets neither limit."""
+    """A heading that is held until 500 m before the line: the law meets neither limit. The line is 20 m off the leg."""
     law = captures.route_law(0.06, 0.9, 1200.0, 30.0)
 
     def bank(time, cross_track, course, speed):
         return captures.by_law(law)(time, cross_track, course, speed) if cross_track < 500.0 else 0.0
 
     flown = captures.fly(bank, 1.0, 500.0 + 40.0 * 50.0, -math.radians(30.0), until=140.0)
-    return law, float(flown.time[flown.cross_track < 500.0][0]), identify(captures.exact(flown))
+    beside = flown._replace(cross_track=flown.cross_track + 20.0)
+    return law, float(flown.time[flown.cross_track < 500.0][0]), identify(captures.exact(beside))
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +83,7 @@ def test_limits_that_never_act_are_bounds_and_a_late_law_is_seen(late):
     assert fit.k1.value == pytest.approx(law.k1, rel=EXACT)
     assert fit.k2.value == pytest.approx(law.k2, rel=EXACT)
     assert fit.engaged == pytest.approx(since, abs=0.2)
+    assert fit.line.value == pytest.approx(20.0, abs=0.5)
     for name in ("cross_track_limit", "bank_limit"):
         bound = getattr(fit, name)
         assert not bound.met
