@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Any, NamedTuple
@@ -10,19 +11,26 @@ import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
 from tracking.measurement import MeasurementModel
+from tracking.motion import constant_velocity
 from tracking.reference_path import (
+    SLOWEST,
     SUB_STEP,
     Law,
+    Line,
     PathState,
     ReferencePath,
     check_tuning,
+    embed,
     reference_path,
     sub_steps,
     uniform,
 )
 from tracking.trackers import saturated_control
+from tracking.trackers.imm import ModelSet, improved_set, transitions
 
 MANUAL = "manual"  # the intent of free flight
+MANOEUVRE_STAY = 30.0  # s, of a turn or a change of speed under vectors: a turn onto final lasts 29 s in the median
+LARGEST_INTERCEPT = math.radians(120.0)  # an aircraft that flies away from the end of its leg has no law armed
 
 
 class Intent(NamedTuple):
@@ -33,9 +41,10 @@ class Intent(NamedTuple):
 
 
 class Bank(NamedTuple):
-    """The assumed law with its limits over an axis of hypotheses, and other laws in the last of them."""
+    """The assumed law with its limits over an axis of hypotheses; behind them it is armed, then come other laws."""
 
     assumed: Law
+    armed: bool  # whether it is
     others: tuple[Law, ...]
     batch: int  # axes of runs behind that of the hypotheses
 
@@ -48,10 +57,20 @@ class Bank(NamedTuple):
         """Bank, rad, of every hypothesis."""
         banks = self.assumed(deviation)
         first = banks.shape[-1 - self.batch] - len(self.others)
+        if self.armed:
+            which, own = self._one(first - 1, deviation)
+            error = own.track_error
+            engages = (banks[which] * error < 0.0) & (np.abs(error) < LARGEST_INTERCEPT)
+            banks[which] = np.where(engages, banks[which], 0.0)
         for number, law in enumerate(self.others, first):
-            one = slice(number, number + 1)
-            banks[(..., one, *(slice(None),) * self.batch)] = law(deviation.of_hypotheses(one, self.batch))
+            which, own = self._one(number, deviation)
+            banks[which] = law(own)
         return banks
+
+    def _one(self, number: int, deviation: Any) -> tuple[Any, Any]:
+        """Where the banks of one hypothesis are, and its deviation."""
+        one = slice(number, number + 1)
+        return (..., one, *(slice(None),) * self.batch), deviation.of_hypotheses(one, self.batch)
 
 
 @dataclass(frozen=True)
@@ -71,8 +90,14 @@ class IntentImm:
     Of a law this tracker needs two facts more than others do: ``intent``, what it is called, and ``intercept``, the
     names of its fields that set the course of a far intercept: the limit itself, then what has to grow with it.
 
+    ``vectored``: the aircraft is flown to the path by headings and speeds that a controller gives, as airliners are.
+    Free flight is then that of the improved set of `imm`: straight, slowing down, a turn to either side at the bank
+    limit. One more hypothesis has the law armed: the heading is held until the law, without its limits on the intercept,
+    turns the aircraft towards the course of the leg; then it flies that. And the law steers across its path alone: along
+    it the speed changes by orders that no law gives, with the density of a manoeuvre.
+
     Model probabilities are in the order of `modes`. Modes are left at a rate of 1 / ``mean_stay`` for any other mode
-    alike, whatever the time between steps.
+    alike, whatever the time between steps; manoeuvres under vectors, which last for less, at 1 / `MANOEUVRE_STAY`.
     """
 
     law: Annotated[Any, "given"]
@@ -85,8 +110,11 @@ class IntentImm:
     straight_density: Annotated[float, "m2/s3"] = 0.05
     manoeuvre_density: Annotated[float, "m2/s3"] = 3.0
     sub_step: Annotated[float, "s"] = SUB_STEP
+    vectored: bool = False
 
     def __post_init__(self) -> None:
+        if self.vectored and isinstance(self.route, Line):
+            raise ValueError("vectored needs a route of legs: across one line there are no headings")
         if not self.limit_factors or not all(factor > 0.0 for factor in self.limit_factors):
             raise ValueError(f"limit_factors must be positive numbers, at least one, not {self.limit_factors}")
         if not self.law.intercept:
@@ -110,7 +138,18 @@ class IntentImm:
     @property
     def _laws(self) -> int:
         """How many hypotheses fly a law."""
-        return len(self.limit_factors) + len(self.alternative_laws)
+        return len(self.limit_factors) + self.vectored + len(self.alternative_laws)
+
+    @cached_property
+    def _vectors(self) -> ModelSet:
+        """Free flight under vectors."""
+        bank = float(np.max(self.law.bank_limit))
+        return improved_set(self.straight_density, self.manoeuvre_density, bank=bank)
+
+    @property
+    def _free(self) -> tuple[str, ...]:
+        """Names of the hypotheses of free flight."""
+        return self._vectors.names if self.vectored else ("straight", "manoeuvre")
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -118,13 +157,15 @@ class IntentImm:
 
     @property
     def modes(self) -> tuple[str, ...]:
-        """Names of the hypotheses: each law by the factor on its limit, the alternatives, then free flight."""
-        return (*(f"law x {factor:g}" for factor in self.limit_factors), *self._intents[1:], "straight", "manoeuvre")
+        """Names of the hypotheses: the law by the factors on its limit, armed, the alternatives, then free flight."""
+        laws = (f"law x {factor:g}" for factor in self.limit_factors)
+        return (*laws, *("armed",) * self.vectored, *self._intents[1:], *self._free)
 
     @property
     def intents(self) -> tuple[str, ...]:
-        """What each hypothesis says the aircraft follows: the intent of a law, or ``manual``."""
-        return (*(self._intents[0],) * len(self.limit_factors), *self._intents[1:], MANUAL, MANUAL)
+        """What each hypothesis says the aircraft follows: the intent of a law, or ``manual``, as while one is armed."""
+        assumed = (self._intents[0],) * len(self.limit_factors)
+        return (*assumed, *(MANUAL,) * self.vectored, *self._intents[1:], *(MANUAL,) * len(self._free))
 
     @property
     def limits(self) -> Any:
@@ -141,12 +182,13 @@ class IntentImm:
 
         What has to grow with the position limit grows: a law whose rate term cannot balance its position term orbits.
         """
-        factors = lift(np.array((*self.limit_factors, *(1.0,) * len(self.alternative_laws))), 1, batch)
-        limit, *others = self.law.intercept
+        others = len(self.alternative_laws)
+        factors = lift(np.array((*self.limit_factors, *(math.inf,) * self.vectored, *(1.0,) * others)), 1, batch)
+        limit, *growing = self.law.intercept
         limits = {limit: getattr(self.law, limit) * factors}
-        limits |= {name: getattr(self.law, name) * np.maximum(factors, 1.0) for name in others}
+        limits |= {name: getattr(self.law, name) * np.maximum(factors, 1.0) for name in growing}
         laws: Law = replace(self.law, **limits)
-        return Bank(laws, self.alternative_laws, batch) if self.alternative_laws else laws
+        return Bank(laws, self.vectored, self.alternative_laws, batch) if self.vectored or others else laws
 
     def begin(self, prior: Gaussian) -> Intent:
         runs, count = prior.mean.shape[1:], len(self.modes)
@@ -179,14 +221,31 @@ class IntentImm:
         return Intent(Mixture(weights, means, np.concatenate(covs, axis=2)), place)
 
     def switched(self, probabilities: Any, dt: Any) -> Any:
-        """Model probabilities dt (s) later, before anything is measured: every mode is left at an even rate."""
-        count = len(self.modes)
-        stay = np.exp(-dt * count / ((count - 1) * self.mean_stay))
-        return stay * probabilities + (1.0 - stay) / count
+        """Model probabilities (k, M, *B) dt (s) later, before anything is measured: modes are left for any other alike.
+
+        dp_j/dt = sum_i p_i r_i / (M - 1) - p_j r_j M / (M - 1) at the rates r. The chain is reversible, so that in
+        units of 1 / sqrt(r) it is symmetric and its modes of decay are orthogonal.
+        """
+        decay, into, back = self._decay
+        part = np.einsum("km...,mj->kj...", probabilities, into)
+        part *= np.exp(lift(decay, 1, part.ndim - 2) * dt)
+        return np.einsum("kj...,jm->km...", part, back)
 
     def _switching(self, dt: float) -> Any:
-        """Switching probabilities over dt, a semigroup."""
-        return self.switched(np.eye(len(self.modes)), dt)
+        """Switching probabilities over dt, a semigroup; rows are "from"."""
+        return np.maximum(self.switched(np.eye(len(self.modes)), dt), 0.0)
+
+    @cached_property
+    def _decay(self) -> tuple[Any, Any, Any]:
+        """Rates (M,), 1/s, at which deviations of the probabilities die out, and the way into these and back (M, M)."""
+        count = len(self.modes)
+        rate = np.full(count, 1.0 / self.mean_stay)
+        if self.vectored:
+            rate[1 - len(self._free) :] = 1.0 / MANOEUVRE_STAY
+        root = np.sqrt(rate)
+        others = (np.outer(root, root) - np.diag(rate)) / (count - 1)
+        decay, vectors = np.linalg.eigh(others - np.diag(rate))
+        return decay, root[:, None] * vectors, vectors.T / root
 
     def _fly(self, laws: Mixture, place: Any, dt: float) -> tuple[Gaussian, Any]:
         """Every law by itself, all from the place on the path that their common estimate has."""
@@ -195,6 +254,8 @@ class IntentImm:
         gaussian = Gaussian(laws.mean, laws.cov)
         count, step, rest = sub_steps(dt, self.sub_step)
         Q = lift(uniform(self._path.axes, step, self.law_density)[1], 2, laws.cov.ndim - 2)
+        if self.vectored:
+            Q = self._unsteady(laws.mean, step)
         for _ in range(count):
             gaussian = saturated_control.with_slope(law, self._path, PathState(gaussian, place), step, Q)
             place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), step)
@@ -204,8 +265,17 @@ class IntentImm:
             place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), rest)
         return gaussian, place
 
+    def _unsteady(self, mean: Any, dt: float) -> Any:
+        """Q (4, 4, *B) of a law over dt where nobody holds the speed: more of it along the velocity than across."""
+        velocity = mean[1::2]
+        course = velocity / np.maximum(np.hypot(*velocity), SLOWEST)
+        along, across = (constant_velocity(dt, density)[1] for density in (self.manoeuvre_density, self.law_density))
+        return embed(course, along, across)
+
     def _coast(self, gaussian: Gaussian, dt: float) -> Gaussian:
-        """Free flight, straight and manoeuvring."""
+        """Every hypothesis of free flight by itself."""
+        if self.vectored:
+            return predict(gaussian, *transitions(self._vectors.models, dt, gaussian.mean))
         calm, F = uniform(self._path.axes, dt, self.straight_density)[::-1]
         wild = uniform(self._path.axes, dt, self.manoeuvre_density)[1]
         batch = gaussian.cov.ndim - 2
