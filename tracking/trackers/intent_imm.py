@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import expm
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
 from tracking.measurement import MeasurementModel
@@ -221,31 +222,33 @@ class IntentImm:
         return Intent(Mixture(weights, means, np.concatenate(covs, axis=2)), place)
 
     def switched(self, probabilities: Any, dt: Any) -> Any:
-        """Model probabilities (k, M, *B) dt (s) later, before anything is measured: modes are left for any other alike.
-
-        dp_j/dt = sum_i p_i r_i / (M - 1) - p_j r_j M / (M - 1) at the rates r. The chain is reversible, so that in
-        units of 1 / sqrt(r) it is symmetric and its modes of decay are orthogonal.
-        """
-        decay, into, back = self._decay
-        part = np.einsum("km...,mj->kj...", probabilities, into)
-        part *= np.exp(lift(decay, 1, part.ndim - 2) * dt)
-        return np.einsum("kj...,jm->km...", part, back)
+        """Model probabilities (k, M, *B) dt (s), a number or (k, 1, 1), later, before anything is measured."""
+        if np.ndim(dt) == 0:
+            return np.einsum("km...,mj->kj...", probabilities, self._switching(float(dt)))
+        after = np.empty_like(probabilities)
+        for step in np.unique(dt):
+            rows = np.ravel(dt) == step
+            after[rows] = self.switched(probabilities[rows], step)
+        return after
 
     def _switching(self, dt: float) -> Any:
         """Switching probabilities over dt, a semigroup; rows are "from"."""
-        return np.maximum(self.switched(np.eye(len(self.modes)), dt), 0.0)
+        return _exponential(self._rates, dt)
 
     @cached_property
-    def _decay(self) -> tuple[Any, Any, Any]:
-        """Rates (M,), 1/s, at which deviations of the probabilities die out, and the way into these and back (M, M)."""
-        count = len(self.modes)
-        rate = np.full(count, 1.0 / self.mean_stay)
+    def _rates(self) -> tuple[tuple[float, ...], ...]:
+        """Rates (M, M), 1/s, of the switching, rows "from": a mode is left for any other alike.
+
+        But no law is left for being armed: an autopilot that has captured its path does not wait for it again.
+        """
+        count, bank = len(self.modes), len(self.limit_factors)
+        leave = np.full(count, 1.0 / self.mean_stay)
+        into = 1.0 - np.eye(count)
         if self.vectored:
-            rate[1 - len(self._free) :] = 1.0 / MANOEUVRE_STAY
-        root = np.sqrt(rate)
-        others = (np.outer(root, root) - np.diag(rate)) / (count - 1)
-        decay, vectors = np.linalg.eigh(others - np.diag(rate))
-        return decay, root[:, None] * vectors, vectors.T / root
+            leave[1 - len(self._free) :] = 1.0 / MANOEUVRE_STAY
+            into[: self._laws, bank] = 0.0
+        rates = leave[:, None] * into / into.sum(axis=1, keepdims=True)
+        return tuple(map(tuple, rates - np.diag(rates.sum(axis=1))))
 
     def _fly(self, laws: Mixture, place: Any, dt: float) -> tuple[Gaussian, Any]:
         """Every law by itself, all from the place on the path that their common estimate has."""
@@ -280,3 +283,9 @@ class IntentImm:
         wild = uniform(self._path.axes, dt, self.manoeuvre_density)[1]
         batch = gaussian.cov.ndim - 2
         return predict(gaussian, lift(F, 2, batch), lift(np.stack([calm, wild], axis=-1), 3, batch - 1))
+
+
+@lru_cache(maxsize=256)
+def _exponential(rates: tuple[tuple[float, ...], ...], dt: float) -> Any:
+    """Probabilities (M, M) of the transitions over dt (s) of a chain with these rates (1/s)."""
+    return expm(np.array(rates) * dt)
