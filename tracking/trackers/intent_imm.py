@@ -11,8 +11,8 @@ import numpy as np
 from scipy.linalg import expm
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
+from tracking.law_bank import LawBank
 from tracking.measurement import MeasurementModel
-from tracking.motion import constant_velocity
 from tracking.reference_path import (
     SLOWEST,
     SUB_STEP,
@@ -21,7 +21,6 @@ from tracking.reference_path import (
     PathState,
     ReferencePath,
     check_tuning,
-    embed,
     reference_path,
     sub_steps,
     uniform,
@@ -29,9 +28,9 @@ from tracking.reference_path import (
 from tracking.trackers import saturated_control
 from tracking.trackers.imm import ModelSet, improved_set, transitions
 
-MANUAL = "manual"  # the intent of free flight
-MANOEUVRE_STAY = 30.0  # s, of a turn or a change of speed under vectors: a turn onto final lasts 29 s in the median
-LARGEST_INTERCEPT = math.radians(120.0)  # an aircraft that flies away from the end of its leg has no law armed
+MANUAL, ARMED = "manual", "armed"  # the intents of free flight, and of a heading that is held until a law engages
+MANOEUVRE_STAY = 20.0  # s, of a turn or a change of speed under vectors: 60 deg of course, or 8 m/s
+DECELERATION = 0.4  # m/s2, of an airliner that slows down: the 35 kt of an approach within 45 s
 
 
 class Intent(NamedTuple):
@@ -39,39 +38,6 @@ class Intent(NamedTuple):
 
     mixture: Mixture
     place: Any
-
-
-class Bank(NamedTuple):
-    """The assumed law with its limits over an axis of hypotheses; behind them it is armed, then come other laws."""
-
-    assumed: Law
-    armed: bool  # whether it is
-    others: tuple[Law, ...]
-    batch: int  # axes of runs behind that of the hypotheses
-
-    @property
-    def bank_limit(self) -> Any:
-        """rad."""
-        return self.assumed.bank_limit
-
-    def __call__(self, deviation: Any) -> Any:
-        """Bank, rad, of every hypothesis."""
-        banks = self.assumed(deviation)
-        first = banks.shape[-1 - self.batch] - len(self.others)
-        if self.armed:
-            which, own = self._one(first - 1, deviation)
-            error = own.track_error
-            engages = (banks[which] * error < 0.0) & (np.abs(error) < LARGEST_INTERCEPT)
-            banks[which] = np.where(engages, banks[which], 0.0)
-        for number, law in enumerate(self.others, first):
-            which, own = self._one(number, deviation)
-            banks[which] = law(own)
-        return banks
-
-    def _one(self, number: int, deviation: Any) -> tuple[Any, Any]:
-        """Where the banks of one hypothesis are, and its deviation."""
-        one = slice(number, number + 1)
-        return (..., one, *(slice(None),) * self.batch), deviation.of_hypotheses(one, self.batch)
 
 
 @dataclass(frozen=True)
@@ -91,14 +57,15 @@ class IntentImm:
     Of a law this tracker needs two facts more than others do: ``intent``, what it is called, and ``intercept``, the
     names of its fields that set the course of a far intercept: the limit itself, then what has to grow with it.
 
-    ``vectored``: the aircraft is flown to the path by headings and speeds that a controller gives, as airliners are.
-    Free flight is then that of the improved set of `imm`: straight, slowing down, a turn to either side at the bank
-    limit. One more hypothesis has the law armed: the heading is held until the law, without its limits on the intercept,
-    turns the aircraft towards the course of the leg; then it flies that. And the law steers across its path alone: along
-    it the speed changes by orders that no law gives, with the density of a manoeuvre.
+    ``vectored``: the aircraft is led to its path by headings and speeds that a controller gives, as airliners are. Free
+    flight is then that of the improved set of `imm`: straight, slowing down, a turn to either side at the bank limit.
+    No chart tells the speed, so that every limit of the law is flown both at an even speed and slowing down. And one
+    hypothesis has the law armed: the heading is held until the law, which then has no limit on the intercept, turns the
+    aircraft towards the course of the leg.
 
     Model probabilities are in the order of `modes`. Modes are left at a rate of 1 / ``mean_stay`` for any other mode
-    alike, whatever the time between steps; manoeuvres under vectors, which last for less, at 1 / `MANOEUVRE_STAY`.
+    alike, whatever the time between steps. Under vectors, turns and changes of speed are left at 1 / `MANOEUVRE_STAY`,
+    and no law is left for being armed: an autopilot that has captured its path does not wait for it again.
     """
 
     law: Annotated[Any, "given"]
@@ -129,7 +96,7 @@ class IntentImm:
 
     @cached_property
     def _path(self) -> ReferencePath:
-        return reference_path(self.route, self.law)
+        return reference_path(replace(self.route, chart=None) if self.vectored else self.route, self.law)
 
     @property
     def _intents(self) -> tuple[str, ...]:
@@ -139,13 +106,18 @@ class IntentImm:
     @property
     def _laws(self) -> int:
         """How many hypotheses fly a law."""
-        return len(self.limit_factors) + self.vectored + len(self.alternative_laws)
+        return len(self._factors) + len(self.alternative_laws)
+
+    @property
+    def _factors(self) -> tuple[float, ...]:
+        """On the position limit, of each hypothesis of the assumed law."""
+        return (*self.limit_factors, *self.limit_factors, math.inf) if self.vectored else self.limit_factors
 
     @cached_property
     def _vectors(self) -> ModelSet:
         """Free flight under vectors."""
         bank = float(np.max(self.law.bank_limit))
-        return improved_set(self.straight_density, self.manoeuvre_density, bank=bank)
+        return improved_set(self.straight_density, self.manoeuvre_density, -DECELERATION, bank)
 
     @property
     def _free(self) -> tuple[str, ...]:
@@ -158,24 +130,28 @@ class IntentImm:
 
     @property
     def modes(self) -> tuple[str, ...]:
-        """Names of the hypotheses: the law by the factors on its limit, armed, the alternatives, then free flight."""
-        laws = (f"law x {factor:g}" for factor in self.limit_factors)
-        return (*laws, *("armed",) * self.vectored, *self._intents[1:], *self._free)
+        """Names of the hypotheses: the law by the factors on its limit, the alternatives, then free flight."""
+        laws = tuple(f"law x {factor:g}" for factor in self.limit_factors)
+        vectored = (*(f"{law}, slowing" for law in laws), "law armed") if self.vectored else ()
+        return (*laws, *vectored, *self._intents[1:], *self._free)
 
     @property
     def intents(self) -> tuple[str, ...]:
-        """What each hypothesis says the aircraft follows: the intent of a law, or ``manual``, as while one is armed."""
-        assumed = (self._intents[0],) * len(self.limit_factors)
-        return (*assumed, *(MANUAL,) * self.vectored, *self._intents[1:], *(MANUAL,) * len(self._free))
+        """What each hypothesis says the aircraft follows: the intent of a law, ``armed`` or ``manual``."""
+        assumed = tuple(ARMED if math.isinf(factor) else self._intents[0] for factor in self._factors)
+        return (*assumed, *self._intents[1:], *(MANUAL,) * len(self._free))
 
     @property
     def limits(self) -> Any:
-        """The position limit of each law of the bank, in the order of `modes`."""
+        """The position limits of the law, in the order of ``limit_factors``."""
         return getattr(self.law, self.law.intercept[0]) * np.array(self.limit_factors)
 
     def flown_limit(self, estimate: Mixture) -> Any:
         """The position limit that is flown (*B): geometric mean over the bank, given that a law is flown at all."""
-        belief = estimate.weights[: len(self.limit_factors)]
+        count = len(self.limit_factors)
+        belief = estimate.weights[:count]
+        if self.vectored:
+            belief = belief + estimate.weights[count : 2 * count]
         return np.exp(np.einsum("m...,m->...", belief, np.log(self.limits)) / belief.sum(axis=0))
 
     def bank(self, batch: int) -> Law:
@@ -184,12 +160,12 @@ class IntentImm:
         What has to grow with the position limit grows: a law whose rate term cannot balance its position term orbits.
         """
         others = len(self.alternative_laws)
-        factors = lift(np.array((*self.limit_factors, *(math.inf,) * self.vectored, *(1.0,) * others)), 1, batch)
+        factors = lift(np.array((*self._factors, *(1.0,) * others)), 1, batch)
         limit, *growing = self.law.intercept
         limits = {limit: getattr(self.law, limit) * factors}
         limits |= {name: getattr(self.law, name) * np.maximum(factors, 1.0) for name in growing}
         laws: Law = replace(self.law, **limits)
-        return Bank(laws, self.vectored, self.alternative_laws, batch) if self.vectored or others else laws
+        return LawBank(laws, self.vectored, self.alternative_laws, batch) if self.vectored or others else laws
 
     def begin(self, prior: Gaussian) -> Intent:
         runs, count = prior.mean.shape[1:], len(self.modes)
@@ -237,16 +213,12 @@ class IntentImm:
 
     @cached_property
     def _rates(self) -> tuple[tuple[float, ...], ...]:
-        """Rates (M, M), 1/s, of the switching, rows "from": a mode is left for any other alike.
-
-        But no law is left for being armed: an autopilot that has captured its path does not wait for it again.
-        """
-        count, bank = len(self.modes), len(self.limit_factors)
-        leave = np.full(count, 1.0 / self.mean_stay)
-        into = 1.0 - np.eye(count)
+        """Rates (M, M), 1/s, of the switching; rows are "from"."""
+        leave, into = np.full(len(self.modes), 1.0 / self.mean_stay), 1.0 - np.eye(len(self.modes))
         if self.vectored:
-            leave[1 - len(self._free) :] = 1.0 / MANOEUVRE_STAY
-            into[: self._laws, bank] = 0.0
+            count, armed = len(self.limit_factors), len(self._factors) - 1
+            leave[count:armed] = leave[1 - len(self._free) :] = 1.0 / MANOEUVRE_STAY
+            into[: self._laws, armed] = 0.0
         rates = leave[:, None] * into / into.sum(axis=1, keepdims=True)
         return tuple(map(tuple, rates - np.diag(rates.sum(axis=1))))
 
@@ -257,10 +229,10 @@ class IntentImm:
         gaussian = Gaussian(laws.mean, laws.cov)
         count, step, rest = sub_steps(dt, self.sub_step)
         Q = lift(uniform(self._path.axes, step, self.law_density)[1], 2, laws.cov.ndim - 2)
-        if self.vectored:
-            Q = self._unsteady(laws.mean, step)
         for _ in range(count):
             gaussian = saturated_control.with_slope(law, self._path, PathState(gaussian, place), step, Q)
+            if self.vectored:
+                self._slow_down(gaussian.mean, step)
             place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), step)
         if rest:
             F, Q = uniform(self._path.axes, rest, self.law_density)
@@ -268,12 +240,14 @@ class IntentImm:
             place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), rest)
         return gaussian, place
 
-    def _unsteady(self, mean: Any, dt: float) -> Any:
-        """Q (4, 4, *B) of a law over dt where nobody holds the speed: more of it along the velocity than across."""
-        velocity = mean[1::2]
-        course = velocity / np.maximum(np.hypot(*velocity), SLOWEST)
-        along, across = (constant_velocity(dt, density)[1] for density in (self.manoeuvre_density, self.law_density))
-        return embed(course, along, across)
+    def _slow_down(self, mean: Any, dt: float) -> None:
+        """Take from the means (4, M, *B) of the slowing laws, in place, what dt of it takes from their speed."""
+        count = len(self.limit_factors)
+        slowing = mean[:, count : 2 * count]
+        velocity = slowing[1::2]
+        lost = np.minimum(DECELERATION * dt / np.maximum(np.hypot(*velocity), SLOWEST), 1.0) * velocity
+        slowing[1::2] -= lost
+        slowing[0::2] -= 0.5 * dt * lost
 
     def _coast(self, gaussian: Gaussian, dt: float) -> Gaussian:
         """Every hypothesis of free flight by itself."""
