@@ -25,10 +25,10 @@ from tracking.reference_path import (
     sub_steps,
     uniform,
 )
+from tracking.track import ARMED, MANUAL
 from tracking.trackers import saturated_control
 from tracking.trackers.imm import ModelSet, improved_set, transitions
 
-MANUAL, ARMED = "manual", "armed"  # the intents of free flight, and of a heading that is held until a law engages
 MANOEUVRE_STAY = 20.0  # s, of a turn or a change of speed under vectors: 60 deg of course, or 8 m/s
 DECELERATION = 0.4  # m/s2, of an airliner that slows down: the 35 kt of an approach within 45 s
 
