@@ -21,10 +21,11 @@ from tests.tuning.arrivals.record import Arrivals
 
 GENERATORS = {"law": by_law, "heading": by_heading}
 PHASES = ("vectors", "capture", "established", "glide")
-TURNING = np.radians(0.5)  # rad/s of course, of a turn
+TURNING = np.radians(0.4)  # rad/s of course, of a turn
 PAUSE = 8.0  # s, so short a pause does not end a turn
+NEAR = np.radians(8.0)  # of the final course: within, what changes it is a correction
 SETTLING = 20.0  # s after its end that belong to the capture
-NOTABLE = np.radians(12.0)  # of course: what changes it by less is a correction, not the turn onto final
+BROKEN_OFF = 500.0  # m beyond the line
 FINAL = 60e3  # m, of the straight that trackers are told
 
 
@@ -34,9 +35,34 @@ def look_alikes(kind: str, seed: int, count: int, departure: str | None = None) 
     The route of each is the final approach, 60 km long; phases follow from the motion alone. An event ``engaged`` says
     when the law took over, ``departed`` when the aircraft left it.
     """
-    generator = GENERATORS[kind]
-    found: Arrivals = generator.arrivals(np.random.default_rng([seed, *kind.encode()]), count, departure)
-    return [_flight(found, number, generator.FINAL_COURSE) for number in range(count)]
+    generator, randomness = GENERATORS[kind], np.random.default_rng([seed, *kind.encode()])
+    flights: list[Flight] = []
+    while len(flights) < count:
+        found: Arrivals = generator.arrivals(randomness, count, departure)
+        kept = np.flatnonzero(_is_arrival(found))
+        flights += [_flight(found, int(number), generator.FINAL_COURSE) for number in kept]
+    return flights[:count]
+
+
+def _is_arrival(found: Arrivals) -> Any:
+    """(n,) bool: one that turns onto final; not one that a controller breaks off because it crosses the line by far."""
+    time = np.arange(len(found.across))[:, None]
+    still = found.flying & (time < _left(found))
+    on = still & (time >= found.engaged)
+    last = still.sum(axis=0)[None] - 1
+    off = np.abs(np.arctan2(found.across_rate, found.along_rate))
+    came, ended, at_last = (
+        np.take_along_axis(values, row, axis=0)[0]
+        for values, row in ((found.across, np.argmax(on, axis=0)[None]), (found.across, last), (off, last))
+    )
+    beyond = np.where(on, -np.sign(came) * found.across, 0.0).max(axis=0)
+    turned = (np.where(still, off, 0.0).max(axis=0) > NEAR) & (at_last <= NEAR)
+    return on.any(axis=0) & turned & (beyond <= BROKEN_OFF) & (np.abs(ended) <= BROKEN_OFF)
+
+
+def _left(found: Arrivals) -> Any:
+    """(n,) s until which an aircraft is on final under a law, be it the one that was expected or not."""
+    return np.where(found.departed > found.engaged, found.departed, np.inf)
 
 
 def final_route(course: float) -> Route:
@@ -63,7 +89,8 @@ def _flight(found: Arrivals, number: int, course: float) -> Flight:
     known |= {"velocity_up": np.gradient(height, time), "airspeed": own(found.airspeed)}
     known |= {"heading": (own(found.heading) + course) % (2.0 * np.pi)}
     state = AircraftState(**known)
-    phase = _phases(time, np.unwrap(np.arctan2(rates[1], rates[0])), own(found.across), state.velocity_up)
+    on = time < _left(found)[number]
+    phase = _phases(time, _unwrapped((rates[0][on], rates[1][on])), state.velocity_up)
     events = [Event(float(found.engaged[number]), "engaged")]
     if np.isfinite(found.departed[number]):
         events.append(Event(float(found.departed[number]), "departed"))
@@ -73,38 +100,39 @@ def _flight(found: Arrivals, number: int, course: float) -> Flight:
     return Flight(route, state, command, nothing, phase, PHASES, tuple(events), "completed", "end of the record")
 
 
-def last_turn(time: Any, course: Any) -> tuple[float, float]:
-    """Beginning and end, s, of the last turn: of the last stretch in which the course changes notably.
+def last_turn(time: Any, off: Any) -> tuple[float, float]:
+    """Beginning and end, s, of the turn onto final: that in which the course comes near the final one for good.
 
     Parameters
     ----------
     time : (k,) s, evenly
-    course : (k,) rad, unwrapped
+    off : (k,) rad, course less that of the final approach, unwrapped
 
-    Raises ``ValueError`` for a record without any turn.
+    Raises ``ValueError`` for a record without such a turn.
     """
-    rate = np.gradient(course, time)
-    rate = np.convolve(np.pad(rate, 2, "edge"), np.full(5, 0.2), "valid")
+    outside = np.flatnonzero(np.abs(off) > NEAR)
+    if not len(outside) or outside[-1] == len(off) - 1:
+        raise ValueError("there is no turn onto final")
     step = float(time[1] - time[0])
-    turning = np.concatenate(([0], (np.abs(rate) > TURNING).astype(int), [0]))
-    edges = np.flatnonzero(np.diff(turning)).tolist()
-    spans = list(zip(edges[::2], edges[1::2], strict=True))
-    joined: list[tuple[int, int]] = []
-    for first, last in spans:
-        same = bool(joined) and np.sign(rate[joined[-1][0]]) == np.sign(rate[first])
-        if same and (first - joined[-1][1]) * step <= PAUSE:
-            joined[-1] = (joined[-1][0], last)
-        else:
-            joined.append((first, last))
-    for first, last in reversed(joined):
-        if abs(course[min(last, len(course) - 1)] - course[first]) >= NOTABLE:
-            return float(time[first]), float(time[min(last, len(time) - 1)])
-    raise ValueError("the course never changes notably")
+    rate = np.convolve(np.pad(np.gradient(off, time), 2, "edge"), np.full(5, 0.2), "valid")
+    turning = -np.sign(off[outside[-1]]) * rate > TURNING
+    turned = np.flatnonzero(turning[: outside[-1] + 1])
+    first = last = int(turned[-1] if len(turned) else outside[-1])
+    while (more := np.flatnonzero(turning[max(first - round(PAUSE / step), 0) : first])).size:
+        first = max(first - round(PAUSE / step), 0) + int(more[0])
+    while last + 1 < len(turning) and turning[last + 1]:
+        last += 1
+    return float(time[first]), float(time[last])
 
 
-def _phases(time: Any, course: Any, across: Any, climb: Any) -> Any:
-    """(k,) index into `PHASES`."""
-    began, ended = last_turn(time, course)
+def _unwrapped(rates: tuple[Any, Any]) -> Any:
+    """Course from the rates along and across, counted back from the last one."""
+    return np.unwrap(np.arctan2(rates[1], rates[0])[::-1])[::-1]
+
+
+def _phases(time: Any, off: Any, climb: Any) -> Any:
+    """(k,) index into `PHASES`; the courses may end earlier."""
+    began, ended = last_turn(time[: len(off)], off)
     phase = np.full(len(time), PHASES.index("established"))
     phase[time < began] = PHASES.index("vectors")
     phase[(time >= began) & (time <= ended + SETTLING)] = PHASES.index("capture")

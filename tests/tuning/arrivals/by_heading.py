@@ -1,9 +1,9 @@
 """Arrivals of another structure: an autopilot that commands courses, and a bank with a lag of second order.
 
 Bank ``c{K (course wanted - course)}``, the course wanted being towards a point on the line so many seconds ahead and
-limited by the intercept; the bank follows as a second-order lag, with no limit of its rate. The capture begins at a
-share of the lead that a turn of the bank limit needs, or when the beam is alive, whichever is later; speeds fall in
-steps at distances, at a constant deceleration; the wind grows with height. Nothing of it was fitted to recordings.
+limited by the intercept; the bank follows as a second-order lag, with no limit of its rate. The capture begins near the
+deviation at which another course is asked for, or when the beam is alive, whichever is later; speeds fall in steps at
+distances, at a constant deceleration; the wind grows with height. Nothing of it was fitted to recordings.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tests.tuning.arrivals.record import Arrivals, between
 
 FINAL_COURSE = np.radians(73.0)
 DEPARTURES = ("offset", "bank")
-STEP = 0.2  # s
+STEP = 0.25  # s
 KNOT = 1852.0 / 3600.0  # m/s
 LONGEST = 1300.0  # s
 LEFT_AFTER = 120.0  # s behind the engagement
@@ -29,13 +29,19 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
     """``count`` arrivals; ``departure``, 120 s behind the engagement, is one of `DEPARTURES`."""
     side = generator.choice((-1.0, 1.0), count)
     limit = np.radians(between(generator, count, 20.0, 30.0))
-    gain, look_ahead = between(generator, count, 0.8, 1.8), between(generator, count, 12.0, 25.0)  # -, s
+    gain = between(generator, count, 1.0, 1.8)
+    # course and deviation are a loop of second order with the time constants V / (g K) and this one, s
+    look_ahead = 4.0 * between(generator, count, 0.7, 1.0) ** 2 * 85.0 / (STANDARD_GRAVITY * gain)
     frequency, damping = between(generator, count, 0.5, 1.6), between(generator, count, 0.6, 1.0)  # rad/s, -
-    room = between(generator, count, 0.75, 1.3)  # of the lead that the turn needs
+    room = between(generator, count, 0.7, 1.1)  # of the deviation at which another course is asked for
     alive = np.radians(between(generator, count, 2.0, 3.0))  # of the beam
-    intercept = np.radians(np.where(generator.random(count) < 0.85, between(generator, count, 20.0, 45.0), 90.0))
+    intercept = np.radians(between(generator, count, 20.0, 45.0))
     first = intercept + np.radians(between(generator, count, 30.0, 90.0)) * (generator.random(count) < 0.75)
-    turned_at = between(generator, count, 30.0, 220.0)  # s before the line, if all went straight
+    base = generator.random(count) < 0.2  # and turned to the intercept late
+    first = np.where(base, 0.5 * np.pi, first)
+    turned_at = np.where(
+        base, between(generator, count, 30.0, 40.0), between(generator, count, 40.0, 220.0)
+    )  # s before
     distance = between(generator, count, 12e3, 25e3)  # m, on final where the heading meets the line
     level = between(generator, count, 600.0, 2200.0)
     wind, blows = between(generator, count, 0.0, 8.0), between(generator, count, 0.0, 2.0 * np.pi)  # m/s at 300 m
@@ -66,9 +72,9 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
             if not flying.any():
                 break
         course, speed = np.arctan2(rate_across, rate_along), np.hypot(rate_along, rate_across)
-        lead = room * speed**2 / (STANDARD_GRAVITY * np.tan(limit)) * (1.0 - np.cos(course))
+        near = np.abs(across) < room * look_ahead * speed * intercept
         seen = np.abs(np.arctan2(across, ANTENNA - along)) < alive
-        captured = np.isnan(engaged) & (np.abs(across) < lead + 2.0 * np.abs(rate_across)) & seen & (flown > back[1])
+        captured = np.isnan(engaged) & near & seen & (flown > back[1])
         engaged = np.where(captured, time, engaged)
         error = beam * (ANTENNA - along)
         wanted = -np.clip((across + error) / (look_ahead * speed), -intercept, intercept)
@@ -83,15 +89,19 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
         given = -side * np.where(flown < back[1], first, intercept)
         command = np.clip(gain * np.where(on, wanted - course, _wrapped(given - heading)), -limit, limit)
         if departure == "bank":
-            command = np.where(since >= LEFT_AFTER, np.where(since < LEFT_AFTER + 10.0, side * np.radians(10.0), 0.0), command)
+            command = np.where(
+                since >= LEFT_AFTER, np.where(since < LEFT_AFTER + 10.0, side * np.radians(10.0), 0.0), command
+            )
         roll = roll + STEP * (frequency**2 * (command - bank) - 2.0 * damping * frequency * roll)
         bank = bank + STEP * roll
-        heading = heading + STEP * STANDARD_GRAVITY * np.tan(bank) / airspeed
+        turned = STEP * STANDARD_GRAVITY * np.tan(bank) / airspeed
+        middle, heading = heading + 0.5 * turned, heading + turned
         target = steps[0]
         for speed_of, ends in zip(steps[1:], at, strict=True):
             target = np.where(-along < ends, speed_of, target)
         airspeed = np.maximum(airspeed - slowing * STEP * (airspeed > target), np.minimum(target, airspeed))
-        along, across = along + STEP * rate_along, across + STEP * rate_across
+        along = along + STEP * (airspeed * np.cos(middle) + blowing * np.cos(blows))
+        across = across + STEP * (airspeed * np.sin(middle) + blowing * np.sin(blows))
         flown = flown + STEP * speed
         kept = np.exp(-STEP * speed / 1500.0)
         beam = kept * beam + bend * np.sqrt(1.0 - kept**2) * generator.standard_normal(count)

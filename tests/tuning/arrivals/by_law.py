@@ -18,7 +18,7 @@ from tests.tuning.arrivals.record import Arrivals, between, by_distance, drawn
 
 FINAL_COURSE = np.radians(260.0)
 DEPARTURES = ("offset", "bank", "beacon")
-STEP = 0.2  # s, of the integration
+STEP = 0.25  # s, of the integration
 ROLL_RATE = np.radians(5.0)  # rad/s
 KNOT = 1852.0 / 3600.0  # m/s
 LONGEST = 1300.0  # s
@@ -33,10 +33,10 @@ LAG = (0.2, 0.6, 2.5, 5.7, 8.0)  # s
 
 
 class Laws:
-    """Laws of n aircraft that close in on the line at given speeds, m/s, and have to turn by so much, rad."""
+    """Laws of n aircraft of given airspeeds (n,), m/s, in winds, m/s, that have to turn by so much, rad."""
 
-    def __init__(self, generator: np.random.Generator, closing: Any, airspeed: Any, turn: Any) -> None:
-        count = len(closing)
+    def __init__(self, generator: np.random.Generator, airspeed: Any, wind: Any, turn: Any) -> None:
+        count, closing = len(turn), airspeed * np.sin(turn)
         self.k1, self.k2, self.limit, self.bank_limit, self.lag = (np.full(count, np.nan) for _ in range(5))
         while (again := np.isnan(self.k1)).any():
             k1 = np.radians(drawn(generator, count, K1))
@@ -45,7 +45,8 @@ class Laws:
             limit, lag = drawn(generator, count, POSITION_LIMIT), drawn(generator, count, LAG)
             bank = np.radians(drawn(generator, count, BANK_LIMIT))
             # the loop s^2 (lag s + 1) + 2 d w s + w^2 is stable below a lag of 2 d / w
-            good = again & (k1 * limit >= k2 * closing) & (lag <= damping / frequency)
+            good = again & (lag <= damping / frequency)
+            good &= (0.8 * closing <= k1 * limit / k2) & (k1 * limit / k2 <= 0.95 * (airspeed - wind))
             good &= airspeed**2 / (STANDARD_GRAVITY * np.tan(bank)) * (1.0 - np.cos(turn)) <= k2 * closing / k1
             own = (self.k1, self.k2, self.limit, self.bank_limit, self.lag)
             for values, new in zip(own, (k1, k2, limit, bank, lag), strict=True):
@@ -64,14 +65,15 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
     homed on the threshold from the engagement on.
     """
     side = generator.choice((-1.0, 1.0), count)
-    headings, lengths, turn = _vectors(generator, count)
+    headings, lengths = _vectors(generator, count)
+    turn = np.abs(headings[-1])
     speeds, knots = _speeds(generator, count)
     wind, blows = between(generator, count, 0.0, 12.0), between(generator, count, 0.0, 2.0 * np.pi)
     wind_along, wind_across = wind * np.cos(blows), wind * np.sin(blows)
     distance = between(generator, count, 14e3, 28e3)  # m, on final at the engagement
     knots = knots + np.array((0.0, 0.0, 1.0, 1.0))[:, None] * distance
     fast = by_distance(distance, knots, speeds)
-    law = Laws(generator, fast * np.sin(np.minimum(turn, 0.5 * np.pi)) + np.abs(wind_across), fast, turn)
+    law = Laws(generator, fast, wind, turn)
     late = between(generator, count, 0.0, 5.0)
     level = np.exp(generator.normal(np.log(1442.0), 0.45, count))  # m
     glide = np.radians(3.0)
@@ -86,7 +88,6 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
     moved_along, moved_across = np.full(count, np.nan), np.full(count, np.nan)
     kept = np.exp(-STEP / law.lag)
     rows: list[tuple[Any, ...]] = []
-    held = np.zeros(count)  # heading at a departure
     each = round(1.0 / STEP)
     for number in range(round(LONGEST / STEP)):
         time = number * STEP
@@ -131,8 +132,10 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
         command = np.where(time >= engaged, followed, vectored)
         change = (command - bank) * (1.0 - kept)
         bank = bank + np.clip(change, -ROLL_RATE * STEP, ROLL_RATE * STEP)
-        heading = heading + STEP * STANDARD_GRAVITY * np.tan(bank) / airspeed
-        along, across = along + STEP * rate_along, across + STEP * rate_across
+        turned = STEP * STANDARD_GRAVITY * np.tan(bank) / airspeed
+        middle, heading = heading + 0.5 * turned, heading + turned
+        along = along + STEP * (airspeed * np.cos(middle) + wind_along)
+        across = across + STEP * (airspeed * np.sin(middle) + wind_across)
         flown = flown + STEP * np.hypot(rate_along, rate_across)
     columns = [np.stack(column) for column in zip(*rows, strict=True)]
     before = np.arange(len(rows))[:, None] < arrived  # these rows are not yet in their place
@@ -141,27 +144,22 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
     return Arrivals(*columns, engaged, departed)
 
 
-def _vectors(generator: np.random.Generator, count: int) -> tuple[Any, Any, Any]:
+def _vectors(generator: np.random.Generator, count: int) -> tuple[Any, Any]:
     """Headings relative to final on the right-hand side of the line (3, count), rad, and how far each is flown, m.
 
-    Third is by how much is still to be turned onto the line when the last of them ends, rad.
-
-    Most come on a base leg or half of one and are turned to the intercept; a few turn from downwind onto final in one
-    sweep, and some have been on the intercept for long.
+    The last is the intercept. Most are on it for half a minute or longer; some from a base leg, and some from downwind,
+    are still turning when the law takes over, so that their last turn is one sweep onto final.
     """
     kind = generator.random(count)
-    intercept = np.where(kind < 0.84, between(generator, count, 15.0, 50.0), between(generator, count, 50.0, 115.0))
-    turned = between(generator, count, 20.0, 90.0)
-    before = np.minimum(intercept + turned, 175.0)
-    sweep = kind < 0.15
-    before, intercept = np.where(sweep, 180.0, before), np.where(sweep, between(generator, count, 25.0, 50.0), intercept)
+    intercept = between(generator, count, 15.0, 50.0)
+    base, downwind = kind < 0.29, kind < 0.15
+    before = np.minimum(intercept + between(generator, count, 20.0, 90.0), 175.0)
+    before = np.where(downwind, 180.0, np.where(base, between(generator, count, 60.0, 115.0), before))
     first = np.minimum(before + between(generator, count, 0.0, 60.0), 185.0)
-    last = between(generator, count, 2000.0, 18e3)
-    long = generator.random(count) < 0.29
-    last = np.where(sweep, between(generator, count, 3000.0, 4000.0), np.where(long, last + 24e3, last))
+    last = between(generator, count, 2500.0, 18e3) + np.where(generator.random(count) < 0.29, 22e3, 0.0)
+    last = np.where(base, 30.0 * (before - intercept) + between(generator, count, 0.0, 500.0), last)
     angles = -np.radians(np.stack((first, before, intercept)))  # to the left, towards the line
-    lengths = np.stack((between(generator, count, 9e3, 16e3), between(generator, count, 4e3, 14e3), last))
-    return angles, lengths, np.radians(np.where(sweep, 80.0, intercept))
+    return angles, np.stack((between(generator, count, 9e3, 16e3), between(generator, count, 4e3, 14e3), last))
 
 
 def _speeds(generator: np.random.Generator, count: int) -> tuple[Any, Any]:
@@ -172,7 +170,7 @@ def _speeds(generator: np.random.Generator, count: int) -> tuple[Any, Any]:
     approach = between(generator, count, 64.0, 78.0)
     drop = np.clip(generator.normal(35.0, 20.0, count), 0.0, 90.0) * KNOT
     captured = np.maximum(between(generator, count, 82.0, 100.0), approach + 2.0)
-    knots = np.stack((np.full(count, 6e3), np.full(count, 9e3), np.full(count, -3.0e3), np.full(count, 5.0e3)))
+    knots = np.stack((np.full(count, 6e3), np.full(count, 9e3), np.full(count, -4.5e3), np.full(count, 1e3)))
     return np.stack((approach, captured, captured, captured + drop)), knots
 
 
@@ -180,9 +178,9 @@ class _Bends:
     """Errors of the course line along it, as of a localiser: three waves, drawn for each aircraft."""
 
     def __init__(self, generator: np.random.Generator, count: int) -> None:
-        size = np.exp(generator.normal(np.log(4.0), 0.5, count)) / np.sqrt(3.0)  # m
+        size = np.exp(generator.normal(np.log(3.0), 0.5, count)) / np.sqrt(3.0)  # m
         self.amplitude = np.sqrt(2.0) * size * np.ones((3, 1))
-        self.wave = generator.uniform(1500.0, 6000.0, (3, count))
+        self.wave = generator.uniform(3000.0, 12e3, (3, count))
         self.phase = generator.uniform(0.0, 2.0 * np.pi, (3, count))
 
     def __call__(self, along: Any) -> tuple[Any, Any]:
