@@ -194,7 +194,12 @@ def test_a_law_that_waits_is_engaged_by_the_looks_and_let_go():
     assert waiting < 100.0  # a plot has 141 m
     rng = np.random.default_rng(76)
     begun = prior(flown, rng)
-    engaged = np.array([epoch.state.engaged for epoch in follow(waits, record(flown, rng), begun, start=0.0)])
+    epochs = list(follow(waits, record(flown, rng), begun, start=0.0))
+    for law, free, evidence, _ in (epoch.state for epoch in epochs):
+        alike = (law.gaussian.mean == free.gaussian.mean).all(axis=0)
+        assert alike[evidence == 0.0].all()  # the rival starts anew
+        assert not alike[evidence > 0.0].any()
+    engaged = np.array([epoch.state.engaged for epoch in epochs])
     assert engaged[16].mean() <= 0.2
     assert engaged[54].mean() >= 0.8
     assert engaged[70].mean() <= 0.2
