@@ -18,7 +18,7 @@ pytestmark = pytest.mark.acceptance
 FLIGHTS, DRAWS = 100, 2
 SEED = {"law": 7, "heading": 5}
 SEARCHED = {search.name: search for search in SEARCHES}
-VECTORED = SEARCHED["intent_imm, vectored"].factory((0.3, 0.05, 3.0, 120.0))
+VECTORED = SEARCHED["intent_imm, vectored"].factory((0.3, 0.05, 3.0, 60.0))
 WAITING = SEARCHED["saturated_control, engaged"].factory((1.0,))
 each = pytest.mark.parametrize("kind", SEED)
 
