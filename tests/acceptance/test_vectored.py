@@ -11,15 +11,13 @@ import numpy as np
 import pytest
 
 from tests.tuning import arrival_conformance, arrival_trackers
-from tests.tuning.arrival_densities import COURSES, SEARCHES
+from tests.tuning.arrival_densities import CHOSEN, COURSES, SEARCHES
 from tests.tuning.arrival_trackers import LAW_FREE, PARTS, TRACKERS, ratio, score, wrong_routes
 
 pytestmark = pytest.mark.acceptance
 FLIGHTS, DRAWS = 100, 2
 SEED = {"law": 7, "heading": 5}
-SEARCHED = {search.name: search for search in SEARCHES}
-VECTORED = SEARCHED["intent_imm, vectored"].factory((0.3, 0.05, 3.0, 60.0))
-WAITING = SEARCHED["saturated_control, engaged"].factory((1.0,))
+VECTORED, _, WAITING = (search.factory(point) for search, point in zip(SEARCHES, CHOSEN, strict=True))
 each = pytest.mark.parametrize("kind", SEED)
 
 

@@ -77,6 +77,7 @@ SEARCHES = (
     ),
     Search("saturated_control, engaged", _saturated, {"acceleration_density": half_decades(0.03, 10)}, (0.03,)),
 )
+CHOSEN = ((0.3, 0.05, 3.0, 60.0), (0.3, 1.0), (3.0,))  # what the page says, for those who use it
 
 
 class Point(NamedTuple):
