@@ -8,7 +8,7 @@ from tests.tuning.arrival_densities import CHOSEN, PAGE, SEARCHES
 
 
 @pytest.mark.parametrize(
-    ("search", "point"), zip(SEARCHES, CHOSEN, strict=True), ids=lambda one: getattr(one, "name", "")
+    ("search", "point"), list(zip(SEARCHES, CHOSEN, strict=True)), ids=lambda one: getattr(one, "name", "")
 )
 def test_the_choice_is_the_one_of_the_page(search, point):
     section = PAGE.read_text(encoding="utf-8").split(f"\n## {search.name}\n")[1].split("\n## ")[0]
