@@ -161,7 +161,7 @@ def main() -> None:
     for row in page(best):
         print(row, flush=True)
         rows.append(row)
-    PAGE.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    PAGE.write_text("\n".join(rows).rstrip() + "\n", encoding="utf-8")
 
 
 def page(best: dict[str, tuple[float, ...]]) -> Iterator[str]:

@@ -57,7 +57,7 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
     across = side * (back[0] * np.sin(intercept) + back[1] * np.sin(first))
     heading, bank, roll = -side * first, np.zeros(count), np.zeros(count)
     airspeed, flown = steps[0].copy(), np.zeros(count)
-    engaged, departed = np.full(count, np.nan), np.full(count, np.nan)
+    engaged, departed, flying = np.full(count, np.nan), np.full(count, np.nan), np.ones(count, bool)
     rows: list[tuple[Any, ...]] = []
     each = round(1.0 / STEP)
     for number in range(round(LONGEST / STEP)):
@@ -67,7 +67,7 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
         rate_along = airspeed * np.cos(heading) + blowing * np.cos(blows)
         rate_across = airspeed * np.sin(heading) + blowing * np.sin(blows)
         if number % each == 0:
-            flying = along < -1500.0
+            flying = flying & (along < -1500.0)
             rows.append((along, across, height, bank, heading, airspeed, rate_along, rate_across, flying))
             if not flying.any():
                 break

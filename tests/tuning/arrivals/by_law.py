@@ -84,7 +84,7 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
     along, across, flown = np.zeros(count), np.zeros(count), np.zeros(count)
     heading, bank = side * headings[0], np.zeros(count)
     engaged, arrived = np.full(count, np.nan), np.full(count, np.nan)
-    departed = np.full(count, np.nan)
+    departed, flying = np.full(count, np.nan), np.ones(count, bool)
     moved_along, moved_across = np.full(count, np.nan), np.full(count, np.nan)
     kept = np.exp(-STEP / law.lag)
     rows: list[tuple[Any, ...]] = []
@@ -107,8 +107,9 @@ def arrivals(generator: np.random.Generator, count: int, departure: str | None =
         engaged = np.where(np.isnan(engaged) & (time >= arrived + late), time, engaged)
         if number % each == 0:
             height = np.minimum(np.maximum(to_go, 0.0) * np.tan(glide), level)
-            rows.append((along, across, height, bank, heading, airspeed, rate_along, rate_across, to_go > 1500.0))
-            if not rows[-1][-1].any():
+            flying = flying & (to_go > 1500.0)
+            rows.append((along, across, height, bank, heading, airspeed, rate_along, rate_across, flying))
+            if not flying.any():
                 break
         # what is asked for
         which = np.minimum((flown >= ends).sum(axis=0), len(headings) - 1)
