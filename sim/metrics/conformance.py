@@ -4,7 +4,8 @@ Each look multiplies the odds of the hypotheses that do not follow the assumed l
 likelihood ratio. Page's test sums the logarithm of that ratio, never below zero, and raises an alarm where the sum
 exceeds the logarithm of the least mean number of looks between false alarms. While the assumed law is flown as the
 tracker models it, false alarms are at least that rare (Lorden 1971); the bound is a loose one. The alarm lasts until
-the assumed law is more probable than not; then the sum starts again from zero.
+the assumed law is more probable than not; then the sum starts again from zero. For a vectored aircraft, whose law is
+only armed at first, the test begins once that law has been more probable than not for 40 s on end.
 """
 
 from __future__ import annotations

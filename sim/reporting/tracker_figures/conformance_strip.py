@@ -13,7 +13,7 @@ from sim.reporting.figures.curves import phase_strip
 from sim.reporting.figures.histories import STRIP, TIME
 from tracking.conformance import Watched
 
-COLOURS = {"route law": style.BLUE, "beacon law": style.ORANGE, "manual": "#B9B9B9"}
+COLOURS = {"route law": style.BLUE, "armed": style.SKY, "beacon law": style.ORANGE, "manual": "#B9B9B9"}
 LEVELS = (5, 95)  # %, of the draws
 
 

@@ -18,7 +18,7 @@ from tracking.track import ACCURACY, LAW, modes_of
 BINS = 200  # of the stated accuracy
 MOST_SAMPLES = 2500  # points of the anomaly strip
 MODES = ("#08519C", "#3182BD", "#6BAED6", "#9ECAE1", "#C6DBEF")  # laws, from the least limit to the greatest
-FREE = ("#FDD0A2", "#D94801", "#7F2704", "#A1A1A1")
+FREE = ("#FDD0A2", "#D94801", "#7F2704", "#A1A1A1", "#FD8D3C", "#636363")
 
 
 def mode_names(tracker: Any, count: int) -> list[str]:
