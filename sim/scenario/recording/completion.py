@@ -14,9 +14,15 @@ from sim.errors import ScenarioError
 from sim.files import opened
 from sim.scenario.messages import stem
 
-# who watches where the scenario names nobody: a radar with Mode C, and trackers that need no more than a place
+# Who watches where the scenario names nobody: a radar with Mode C, and trackers of an airliner under vectors. Their
+# values are the choices of docs/arrival-densities.md, on made-up arrivals; the bank of `imm` follows the bank limit.
 SENSORS = {"radar": {"kind": "surveillance_radar", "height": "mode_c"}}
-TRACKERS = {"kalman": {"kind": "kalman"}, "imm": {"kind": "imm"}, "intent_imm": {"kind": "intent_imm"}}
+TRACKERS: dict[str, dict[str, Any]] = {
+    "kalman": {"kind": "kalman", "acceleration_density_m2ps3": 3.0},
+    "imm": {"kind": "imm"},
+    "intent_imm": {"kind": "intent_imm", "vectored": True, "limit_factors": [0.4, 1.0, 2.4], "mean_stay_s": 60.0},
+    "saturated_control": {"kind": "saturated_control", "begins": "engaged", "acceleration_density_m2ps3": 3.0},
+}
 LONGEST_NAME = 50  # characters of a scenario's name that a flight gives it
 Parser = Callable[[str, bytes], dict[str, Any]]
 
