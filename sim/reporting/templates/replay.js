@@ -94,7 +94,7 @@
     data.trackers.forEach((tracker, index) => {
       const i = upTo(tracker.t, now);
       if (!shown[index] || i < 0 || tracker.x[i] == null) return;
-      const dash = tracker.dashed ? [5, 3] : [];
+      const dash = tracker.dash;
       const from = upTo(tracker.t, now - TRAIL) + 1;
       line(pen, path(tracker, from, i + 1), tracker.colour, 1.3, dash);
       const p = place(tracker.x[i], tracker.y[i]);
@@ -179,7 +179,7 @@
       if (!shown[index] || i < 0 || !tracker.height.length) return;
       const begin = upTo(tracker.t, now - TRAIL) + 1;
       const points = tracker.height.slice(begin, i + 1).map((h, j) => place(at("flown", tracker.t[begin + j]), h));
-      line(pen, points, tracker.colour, 1.4, tracker.dashed ? [5, 3] : []);
+      line(pen, points, tracker.colour, 1.4, tracker.dash);
       const d = at("flown", tracker.t[i]), h = tracker.height[i];
       const bar = [place(d, h - tracker.spread[i]), place(d, h + tracker.spread[i])];
       if (bar[0] && bar[1]) line(pen, bar, tracker.colour, 2.2);
@@ -222,10 +222,12 @@
   }
   const rows = data.trackers.map((tracker, index) => { // a row with a switch for each tracker
     const row = part("trackers").insertRow(), box = document.createElement("input"), label = document.createElement("label");
-    const key = document.createElement("span");
+    const key = document.createElementNS("http://www.w3.org/2000/svg", "svg"), stroke = document.createElementNS(key.namespaceURI, "path");
     box.type = "checkbox"; box.checked = true;
     box.addEventListener("change", () => { shown[index] = box.checked; draw(); });
-    key.className = "key"; key.style.borderTop = `3px ${tracker.dashed ? "dashed" : "solid"} ${tracker.colour}`;
+    const look = { d: "M0 4h26", stroke: tracker.colour, "stroke-width": 2.5, "stroke-dasharray": tracker.dash.map((n) => 1.7 * n).join(" ") };
+    for (const [name, value] of Object.entries(look)) stroke.setAttribute(name, value);
+    key.setAttribute("class", "key"); key.setAttribute("viewBox", "0 0 26 8"); key.append(stroke);
     label.append(box, key, tracker.name);
     row.insertCell().append(label);
     for (let i = 0; i < 3; i++) row.insertCell().className = "n";

@@ -1,0 +1,268 @@
+"""The marks of a panel as elements of SVG."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sim.reporting.drawing import paths
+from sim.reporting.drawing.figure import Panel
+from sim.reporting.drawing.marks import INK, PAPER, Area, Arrows, Band, Blocks, Line, Mark, Points, Rule, Words
+from sim.reporting.drawing.paths import UNIT
+from sim.reporting.drawing.scales import Scale
+
+HATCH = 34  # units between two strokes of a hatching
+
+
+class Frame(NamedTuple):
+    """A panel's window: values to points from its upper left corner."""
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+    x_scale: Scale
+    y_scale: Scale
+    size: tuple[float, float]  # points
+
+    def across(self, values: Any) -> np.ndarray:
+        """Points from the left; an infinite value is an edge."""
+        return _placed(values, self.x, self.x_scale, self.size[0])
+
+    def down(self, values: Any) -> np.ndarray:
+        """Points from the top."""
+        return self.size[1] - _placed(values, self.y, self.y_scale, self.size[1])
+
+
+def _placed(values: Any, ends: tuple[float, float], scale: Scale, length: float) -> np.ndarray:
+    low, high = scale.forward(np.array(ends, float))
+    return np.asarray((scale.forward(np.asarray(values, float)) - low) / (high - low) * length)
+
+
+def elements(panel: Panel, frame: Frame) -> tuple[str, str]:
+    """All marks in their order: those within the panel, and those that may reach beyond it."""
+    within, free = [], []
+    for mark in sorted(panel.marks, key=lambda mark: mark.order):
+        text = _WRITERS[type(mark)](mark, frame)
+        (free if isinstance(mark, Points) and mark.free else within).append(text)
+    return "".join(within), "".join(free)
+
+
+def paint(colour: str) -> str:
+    """A colour as an attribute has it: ink is what the page writes with."""
+    return "currentColor" if colour == INK else colour
+
+
+def stroke(colour: str, width: float, dashes: tuple[float, ...] = (), butt: bool = False) -> str:
+    """Attributes of a stroke; dashes are in widths of the line."""
+    text = f' stroke="{paint(colour)}" stroke-width="{UNIT * width:.3g}"'
+    if dashes:
+        text += f' stroke-dasharray="{" ".join(f"{UNIT * width * dash:.3g}" for dash in dashes)}"'
+    return text + (' stroke-linecap="butt"' if dashes or butt else "")
+
+
+def fill(colour: str) -> str:
+    """Attributes of an inside; the colour of paper may be exchanged in the dark."""
+    return f' class="paper" fill="{colour}"' if colour in (PAPER, "white") else f' fill="{paint(colour)}"'
+
+
+def faint(alpha: float) -> str:
+    """Attribute of what shines through."""
+    return f' opacity="{alpha:g}"' if alpha != 1.0 else ""
+
+
+def named(label: str) -> str:
+    """Attribute by which a script finds what a mark shows."""
+    return f' data-name="{escaped(label)}"' if label else ""
+
+
+def escaped(text: str) -> str:
+    """A text that is nothing but text."""
+    return html.escape("".join(letter for letter in text if letter >= " " or letter == "\n"), quote=True)
+
+
+def _line(mark: Line, frame: Frame) -> str:
+    d = paths.path(frame.across(mark.x), frame.down(mark.y), frame.size)
+    look = stroke(mark.colour, mark.width, mark.dashes, mark.butt) + faint(mark.alpha) + named(mark.label)
+    return f'<path d="{d}"{look}/>' if d else ""
+
+
+def _rule(mark: Rule, frame: Frame) -> str:
+    width, height = (round(UNIT * side) for side in frame.size)
+    if mark.x is not None:
+        at = paths.whole(frame.across(mark.x))
+        d = f"M{at:.0f} 0v{height}"
+    else:
+        at = paths.whole(frame.down(mark.y))
+        d = f"M0 {at:.0f}h{width}"
+    look = stroke(mark.colour, mark.width, mark.dashes, True) + named(mark.label)
+    return f'<path d="{d}"{look}/>' if math.isfinite(at) else ""
+
+
+def _points(mark: Points, frame: Frame) -> str:
+    x, y = frame.across(mark.x), frame.down(mark.y)
+    plain = mark.marker in ".o" and not mark.fill
+    d = paths.dots(x, y) if plain else paths.each(x, y, shape_of(mark.marker, mark.size))
+    return f'<path d="{d}"{look_of(mark)}/>' if d else ""
+
+
+def look_of(mark: Points) -> str:
+    """Attributes of markers."""
+    if mark.marker in ".o" and not mark.fill:
+        return stroke(mark.colour, mark.size * (0.5 if mark.marker == "." else 1.0)) + named(mark.label)
+    inside = fill(mark.fill or mark.colour) if mark.marker not in "x|" else ""
+    return inside + stroke(mark.colour, mark.stroke) + named(mark.label)
+
+
+def shape_of(marker: str, size: float) -> str:
+    """A marker about the point where its path begins."""
+    h = round(UNIT * size / 2)
+    q, s, d = round(h / 2), round(UNIT * size), round(UNIT * size / math.sqrt(2))
+    return {
+        "x": f"m{-h} {-h}l{s} {s}m{-s} 0l{s} {-s}",
+        "|": f"m0 {-h}v{s}",
+        "s": f"m{-h} {-h}h{s}v{s}h{-s}z",
+        "D": f"m0 {-d}l{d} {d}l{-d} {d}l{-d} {-d}z",
+        "^": f"m0 {-h}l{h} {s}h{-s}z",
+        "v": f"m0 {h}l{h} {-s}h{-s}z",
+        "X": f"m0 {-q}l{q} {-q} {q} {q} {-q} {q} {q} {q} {-q} {q} {-q} {-q} {-q} {q} {-q} {-q} {q} {-q} {-q} {-q} {q} {-q}z",
+    }.get(marker, f"m{-h} 0a{h} {h} 0 1 0 {s} 0a{h} {h} 0 1 0 {-s} 0z")
+
+
+def _band(mark: Band, frame: Frame) -> str:
+    x, low, high = frame.across(mark.x), frame.down(mark.low), frame.down(mark.high)
+    if frame.y_scale.kind == "log":  # what is not above nothing reaches to the lower edge
+        low = np.where(mark.low <= 0.0, frame.size[1] + 1.0, low)
+    d = ""
+    there = np.isfinite(x) & np.isfinite(low) & np.isfinite(high)
+    borders = np.flatnonzero(np.diff(np.concatenate(([False], there, [False])).astype(np.int8)))
+    for first, last in borders.reshape(-1, 2).tolist():
+        part = slice(first, last)
+        there_and_back = np.concatenate((x[part], x[part][::-1])), np.concatenate((high[part], low[part][::-1]))
+        d += paths.closed(*_unbent(*there_and_back))
+    edge = stroke(mark.colour, mark.edge) if mark.edge else ""
+    return f'<path d="{d}"{fill(mark.colour)}{edge}{faint(mark.alpha)}{named(mark.label)}/>' if d else ""
+
+
+def _unbent(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A ring without corners on straight sides."""
+    points = paths.unbent(np.column_stack((paths.whole(x), paths.whole(y))))
+    return points[:, 0] / UNIT, points[:, 1] / UNIT
+
+
+def _blocks(mark: Blocks, frame: Frame) -> str:
+    width, height = frame.size
+    sides = []
+    for values, along, far in ((mark.left, True, 0.0), (mark.right, True, width), (mark.low, False, height), (mark.high, False, 0.0)):
+        at = frame.across(values) if along else frame.down(values)
+        at = np.where(np.isinf(values), far, at)
+        if not along and frame.y_scale.kind == "log":
+            at = np.where(values <= 0.0, height + 1.0, at)
+        sides.append(np.clip(paths.whole(at), -UNIT * 50, UNIT * (max(frame.size) + 50)))
+    x0, x1, y0, y1 = sides
+    seen = np.isfinite(x0 + x1 + y0 + y1)
+    colours = mark.colours * len(x0) if len(mark.colours) == 1 else mark.colours
+    by_colour: dict[str, list[str]] = {}
+    corners = np.column_stack((x0, y1, x1 - x0, y0 - y1))
+    for colour, corner, there in zip(colours, corners, seen, strict=True):
+        if there:
+            left, top, wide, high = corner.astype(int).tolist()
+            by_colour.setdefault(colour, []).append(f"M{left} {top}h{wide}v{high}h{-wide}z")
+    more = faint(mark.alpha) + named(mark.label)
+    edge = stroke(mark.edge, 0.6) if mark.edge else ' shape-rendering="crispEdges"'
+    text = "".join(
+        f'<path d="{"".join(d)}"{fill(colour) if colour else ""}{edge}{more}/>' for colour, d in by_colour.items()
+    )
+    if mark.hatch:
+        d = "".join(hatching(*corner.astype(int).tolist()) for corner, there in zip(corners, seen, strict=True) if there)
+        text += f'<path class="hatch" d="{d}"{stroke(mark.hatch, 0.7)}/>' if d else ""
+    return text
+
+
+def hatching(left: int, top: int, wide: int, high: int) -> str:
+    """Strokes that rise to the right, within a rectangle; those of neighbours continue each other."""
+    if wide < 0:
+        left, wide = left + wide, -wide
+    if high < 0:
+        top, high = top + high, -high
+    d = ""
+    first = (left + top) // HATCH + 1
+    for place in range(first * HATCH, left + top + wide + high, HATCH):  # x + y of a stroke
+        x0 = max(left, place - top - high)
+        x1 = min(left + wide, place - top)
+        if x1 > x0:
+            d += f"M{x0} {place - x0}l{x1 - x0} {x0 - x1}"
+    return d
+
+
+def _area(mark: Area, frame: Frame) -> str:
+    d = "".join(paths.closed(frame.across(ring[:, 0]), frame.down(ring[:, 1])) for ring in mark.rings)
+    return f'<path d="{d}"{fill(mark.colour)} fill-rule="evenodd"{faint(mark.alpha)}{named(mark.label)}/>' if d else ""
+
+
+def _words(mark: Words, frame: Frame) -> str:
+    x, y = float(frame.across(mark.x)) + mark.right, float(frame.down(mark.y)) - mark.up
+    if not (math.isfinite(x + y) and -1.0 <= x - mark.right <= frame.size[0] + 1.0):
+        return ""
+    return text_at(mark.text, x, y, mark.size, mark.anchor, mark.above, mark.colour, mark.turn)
+
+
+def text_at(
+    text: str,
+    x: float,
+    y: float,
+    size: float,
+    anchor: str = "start",
+    above: float = 0.0,
+    colour: str = INK,
+    turn: float = 0.0,
+) -> str:
+    """A text at a place in points; several lines stand below each other."""
+    px, py = round(UNIT * x), round(UNIT * (y + 0.72 * above * size))
+    look = f' font-size="{UNIT * size:g}"'
+    look += f' text-anchor="{anchor}"' if anchor != "start" else ""
+    look += f' fill="{paint(colour)}"' if colour != INK else ""
+    look += f' transform="rotate({turn:g} {px} {py})"' if turn else ""
+    return f'<text x="{px}" y="{py}"{look}>{escaped(text)}</text>'
+
+
+def _arrows(mark: Arrows, frame: Frame) -> str:
+    x, y = frame.across(mark.x), frame.down(mark.y)
+    ends = np.column_stack((x, y, mark.right, -mark.up))
+    shafts, heads = "", ""
+    for px, py, dx, dy in (UNIT * ends[np.isfinite(ends).all(axis=1)]).tolist():
+        length = math.hypot(dx, dy)
+        if length < 1.0:
+            continue
+        head = min(UNIT * mark.head, 0.5 * length)
+        ux, uy = dx / length, dy / length
+        shafts += f"M{px:.0f} {py:.0f}l{dx - ux * head:.0f} {dy - uy * head:.0f}"
+        back, side = (-head * ux, -head * uy), (-0.38 * head * uy, 0.38 * head * ux)
+        heads += f"M{px + dx:.0f} {py + dy:.0f}l{back[0] + side[0]:.0f} {back[1] + side[1]:.0f} {-2 * side[0]:.0f} {-2 * side[1]:.0f}z"
+    return f'<path d="{shafts}"{stroke(mark.colour, mark.width, butt=True)}/><path d="{heads}"{fill(mark.colour)}/>'
+
+
+_WRITERS: dict[type, Callable[[Any, Frame], str]] = {
+    Line: _line, Points: _points, Band: _band, Blocks: _blocks, Area: _area, Rule: _rule, Words: _words,
+    Arrows: _arrows,
+}  # fmt: skip
+
+
+def sample(mark: Mark, x: float, y: float, length: float) -> str:
+    """What a legend shows of a mark, ``length`` points to the right of a place in points."""
+    px, py, pl = round(UNIT * x), round(UNIT * y), round(UNIT * length)
+    if isinstance(mark, Line | Rule):
+        width = mark.width
+        return f'<path d="M{px} {py}h{pl}"{stroke(mark.colour, width, mark.dashes, True)} fill="none"/>'
+    if isinstance(mark, Points):
+        plain = mark.marker in ".o" and not mark.fill
+        shown = mark._replace(size=max(mark.size, 4.0), label="")
+        d = f"M{px + pl // 2} {py}" + ("h0" if plain else shape_of(shown.marker, shown.size))
+        return f'<path d="{d}"{look_of(shown)}/>'
+    d = f"M{px} {py - 25}h{pl}v50h{-pl}z"
+    if isinstance(mark, Blocks):
+        inside = fill(mark.colours[0]) if mark.colours[0] else ' fill="none"'
+        return f'<path d="{d}"{inside}{faint(mark.alpha)}/>'
+    return f'<path d="{d}"{fill(mark.colour)}{faint(mark.alpha)}/>'
