@@ -54,8 +54,8 @@ def cells(panel: Panel, x: np.ndarray, y: np.ndarray, colours: Sequence[str]) ->
     left, low = np.meshgrid(x[:-1], y[:-1])
     right, high = np.meshgrid(x[1:], y[1:])
     kept = np.array([bool(colour) for colour in colours])
-    sides = (side.ravel()[kept] for side in (left, right, low, high))
-    panel.blocks(*sides, *filter(None, colours))
+    x0, x1, y0, y1 = (side.ravel()[kept] for side in (left, right, low, high))
+    panel.blocks(x0, x1, y0, y1, [*filter(None, colours)])
 
 
 def add_scale(

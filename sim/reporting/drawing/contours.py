@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from typing import Any
+
 import numpy as np
 
 
@@ -20,9 +23,5 @@ def regions(x: np.ndarray, y: np.ndarray, height: np.ndarray, low: float, high: 
     from contourpy import FillType, contour_generator
 
     generator = contour_generator(x, y, np.ma.masked_invalid(height), fill_type=FillType.OuterOffset)
-    points, offsets = generator.filled(low, high)
-    return [
-        np.asarray(outer)[begin:end]
-        for outer, offset in zip(points, offsets, strict=True)
-        for begin, end in zip(offset[:-1], offset[1:], strict=True)
-    ]
+    found: Any = generator.filled(low, high)  # its type hangs on what was asked
+    return [outer[begin:end] for outer, offset in zip(*found, strict=True) for begin, end in itertools.pairwise(offset)]

@@ -78,10 +78,11 @@ class Panel:
         low, high = (np.broadcast_to(numbers(one), x.shape) for one in (low, high))
         self.marks.append(marks.Band(x, low, high, colour, **look))
 
-    def blocks(self, left: Any, right: Any, low: Any, high: Any, *colours: str, **look: Any) -> None:
-        """Add `Blocks`; sides that are one number are those of all."""
-        sides = np.broadcast_arrays(*map(numbers, (left, right, low, high)))
-        self.marks.append(marks.Blocks(*sides, colours, **look))
+    def blocks(self, left: Any, right: Any, low: Any, high: Any, colour: str | Sequence[str], **look: Any) -> None:
+        """Add `Blocks`; a side that is one number is that of all."""
+        x0, x1, y0, y1 = np.broadcast_arrays(*map(numbers, (left, right, low, high)))
+        colours = (colour,) if isinstance(colour, str) else tuple(colour)
+        self.marks.append(marks.Blocks(x0, x1, y0, y1, colours, **look))
 
     def area(self, rings: Sequence[np.ndarray], colour: str, **look: Any) -> None:
         """Add an `Area`."""
@@ -97,7 +98,7 @@ class Panel:
 
     def arrows(self, x: Any, y: Any, right: Any, up: Any, **look: Any) -> None:
         """Add `Arrows`."""
-        self.marks.append(marks.Arrows(*map(numbers, (x, y, right, up)), **look))
+        self.marks.append(marks.Arrows(numbers(x), numbers(y), numbers(right), numbers(up), **look))
 
     @property
     def lines(self) -> list[marks.Line]:
@@ -142,7 +143,7 @@ class Drawing:
             least, most = min(low, high), max(low, high)
             beyond = 1e-9 * (most - least)
             return [tick for tick in axis.ticks if least - beyond <= tick[0] <= most + beyond]
-        room = int(length / (axis.size * (2.2 if upright else 5.0)))
+        room = int(length / (axis.size * (2.0 if upright else 4.0)))
         found = axis.scale.ticks(low, high, min(axis.most or 9, max(room, 1), 9))
         return list(zip(found, named(found, axis.scale), strict=True))
 
@@ -153,9 +154,7 @@ def _range(reaches: Sequence[np.ndarray], scale: Scale) -> tuple[float, float]:
     return (float(values.min()), float(values.max())) if values.size else (np.inf, -np.inf)
 
 
-def _with_margin(
-    least: float, most: float, low: float | None, high: float | None, scale: Scale
-) -> tuple[float, float]:
+def _with_margin(least: float, most: float, low: float | None, high: float | None, scale: Scale) -> tuple[float, float]:
     """The given ends, else those of the data with a margin."""
     if least > most:
         least, most = (0.1, 10.0) if scale.kind == "log" else (0.0, 1.0)

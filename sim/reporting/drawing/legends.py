@@ -29,7 +29,7 @@ def above(drawing: Drawing) -> tuple[list[Entry], float]:
     left = min(panel.box.left for panel in drawing.panels)
     most = drawing.width - left - 2.0
     found: list[Entry] = []
-    y = 0.0
+    y = EDGE
     for row in drawing.legend:
         if not row:
             continue

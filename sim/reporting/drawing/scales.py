@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
-WIDE = 300.0  # ratio of the ends of a logarithmic axis, beyond which only powers of ten are named
+WIDE = 500.0  # ratio of the ends of a logarithmic axis, beyond which only powers of ten are named
+LEAST = 2  # ticks of a linear axis, which may then be closer than asked
 LARGE, SMALL = 6, 4  # digits before and after the point, beyond which a number is written with an exponent
 
 
@@ -46,11 +47,15 @@ def _even(low: float, high: float, most: int) -> list[float]:
     if not span > 0.0 or not math.isfinite(span):
         return [low]
     power = 10.0 ** math.floor(math.log10(span / max(most, 1)))
-    step = next(
-        size * power for size in (*STEPS, 20.0, 25.0, 50.0) if span / (size * power) <= max(most, 1) + 1e-9
-    )
-    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    return [number * step for number in range(first, last + 1)]
+    sizes = [size * power for size in (*STEPS, 20.0, 25.0, 50.0)]
+    fitting = next(place for place, step in enumerate(sizes) if span / step <= max(most, 1) + 1e-9)
+    found: list[float] = []
+    for step in (*sizes[fitting::-1], 0.5 * power):
+        first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+        found = [number * step for number in range(first, last + 1)]
+        if len(found) >= LEAST:
+            break
+    return found
 
 
 def _powers(low: float, high: float) -> list[float]:

@@ -43,7 +43,8 @@ def _placed(values: Any, ends: tuple[float, float], scale: Scale, length: float)
 
 def elements(panel: Panel, frame: Frame) -> tuple[str, str]:
     """All marks in their order: those within the panel, and those that may reach beyond it."""
-    within, free = [], []
+    within: list[str] = []
+    free: list[str] = []
     for mark in sorted(panel.marks, key=lambda mark: mark.order):
         text = _WRITERS[type(mark)](mark, frame)
         (free if isinstance(mark, Points) and mark.free else within).append(text)
@@ -111,7 +112,7 @@ def _points(mark: Points, frame: Frame) -> str:
 def look_of(mark: Points) -> str:
     """Attributes of markers."""
     if mark.marker in ".o" and not mark.fill:
-        return stroke(mark.colour, mark.size * (0.5 if mark.marker == "." else 1.0)) + named(mark.label)
+        return stroke(mark.colour, mark.size * (0.5 if mark.marker == "." else 1.0) + mark.stroke) + named(mark.label)
     inside = fill(mark.fill or mark.colour) if mark.marker not in "x|" else ""
     return inside + stroke(mark.colour, mark.stroke) + named(mark.label)
 
@@ -119,7 +120,8 @@ def look_of(mark: Points) -> str:
 def shape_of(marker: str, size: float) -> str:
     """A marker about the point where its path begins."""
     h = round(UNIT * size / 2)
-    q, s, d = round(h / 2), round(UNIT * size), round(UNIT * size / math.sqrt(2))
+    q, s, d = round(h / 2), 2 * h, round(UNIT * size / math.sqrt(2))
+    cross = f"{q} {-q} {q} {q} {-q} {q} {q} {q} {-q} {q} {-q} {-q} {-q} {q} {-q} {-q} {q} {-q} {-q} {-q}"
     return {
         "x": f"m{-h} {-h}l{s} {s}m{-s} 0l{s} {-s}",
         "|": f"m0 {-h}v{s}",
@@ -127,7 +129,7 @@ def shape_of(marker: str, size: float) -> str:
         "D": f"m0 {-d}l{d} {d}l{-d} {d}l{-d} {-d}z",
         "^": f"m0 {-h}l{h} {s}h{-s}z",
         "v": f"m0 {h}l{h} {-s}h{-s}z",
-        "X": f"m0 {-q}l{q} {-q} {q} {q} {-q} {q} {q} {q} {-q} {q} {-q} {-q} {-q} {q} {-q} {-q} {q} {-q} {-q} {-q} {q} {-q}z",
+        "X": f"m0 {-q}l{cross} {q} {-q}z",
     }.get(marker, f"m{-h} 0a{h} {h} 0 1 0 {s} 0a{h} {h} 0 1 0 {-s} 0z")
 
 
@@ -154,14 +156,11 @@ def _unbent(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _blocks(mark: Blocks, frame: Frame) -> str:
     width, height = frame.size
-    sides = []
-    for values, along, far in ((mark.left, True, 0.0), (mark.right, True, width), (mark.low, False, height), (mark.high, False, 0.0)):
-        at = frame.across(values) if along else frame.down(values)
-        at = np.where(np.isinf(values), far, at)
-        if not along and frame.y_scale.kind == "log":
-            at = np.where(values <= 0.0, height + 1.0, at)
-        sides.append(np.clip(paths.whole(at), -UNIT * 50, UNIT * (max(frame.size) + 50)))
-    x0, x1, y0, y1 = sides
+    x0, x1 = (
+        _side(frame.across(values), values, far, frame) for values, far in ((mark.left, 0.0), (mark.right, width))
+    )
+    low = np.where(mark.low <= 0.0, -np.inf, mark.low) if frame.y_scale.kind == "log" else mark.low
+    y0, y1 = (_side(frame.down(values), values, far, frame) for values, far in ((low, height), (mark.high, 0.0)))
     seen = np.isfinite(x0 + x1 + y0 + y1)
     colours = mark.colours * len(x0) if len(mark.colours) == 1 else mark.colours
     by_colour: dict[str, list[str]] = {}
@@ -176,9 +175,17 @@ def _blocks(mark: Blocks, frame: Frame) -> str:
         f'<path d="{"".join(d)}"{fill(colour) if colour else ""}{edge}{more}/>' for colour, d in by_colour.items()
     )
     if mark.hatch:
-        d = "".join(hatching(*corner.astype(int).tolist()) for corner, there in zip(corners, seen, strict=True) if there)
+        d = "".join(
+            hatching(*corner.astype(int).tolist()) for corner, there in zip(corners, seen, strict=True) if there
+        )
         text += f'<path class="hatch" d="{d}"{stroke(mark.hatch, 0.7)}/>' if d else ""
     return text
+
+
+def _side(at: np.ndarray, values: np.ndarray, edge: float, frame: Frame) -> np.ndarray:
+    """Units of one side of blocks, not far beyond the panel."""
+    far = UNIT * (max(frame.size) + 50)
+    return np.asarray(np.clip(paths.whole(np.where(np.isinf(values), edge, at)), -far, far))
 
 
 def hatching(left: int, top: int, wide: int, high: int) -> str:
@@ -206,7 +213,8 @@ def _words(mark: Words, frame: Frame) -> str:
     x, y = float(frame.across(mark.x)) + mark.right, float(frame.down(mark.y)) - mark.up
     if not (math.isfinite(x + y) and -1.0 <= x - mark.right <= frame.size[0] + 1.0):
         return ""
-    return text_at(mark.text, x, y, mark.size, mark.anchor, mark.above, mark.colour, mark.turn)
+    colour = "currentColor" if mark.colour == INK else mark.colour  # a panel fills nothing by itself
+    return text_at(mark.text, x, y, mark.size, mark.anchor, mark.above, colour, mark.turn)
 
 
 def text_at(
@@ -240,7 +248,8 @@ def _arrows(mark: Arrows, frame: Frame) -> str:
         ux, uy = dx / length, dy / length
         shafts += f"M{px:.0f} {py:.0f}l{dx - ux * head:.0f} {dy - uy * head:.0f}"
         back, side = (-head * ux, -head * uy), (-0.38 * head * uy, 0.38 * head * ux)
-        heads += f"M{px + dx:.0f} {py + dy:.0f}l{back[0] + side[0]:.0f} {back[1] + side[1]:.0f} {-2 * side[0]:.0f} {-2 * side[1]:.0f}z"
+        corner, across = (back[0] + side[0], back[1] + side[1]), (-2 * side[0], -2 * side[1])
+        heads += f"M{px + dx:.0f} {py + dy:.0f}l{corner[0]:.0f} {corner[1]:.0f} {across[0]:.0f} {across[1]:.0f}z"
     return f'<path d="{shafts}"{stroke(mark.colour, mark.width, butt=True)}/><path d="{heads}"{fill(mark.colour)}/>'
 
 
@@ -258,11 +267,10 @@ def sample(mark: Mark, x: float, y: float, length: float) -> str:
         return f'<path d="M{px} {py}h{pl}"{stroke(mark.colour, width, mark.dashes, True)} fill="none"/>'
     if isinstance(mark, Points):
         plain = mark.marker in ".o" and not mark.fill
-        shown = mark._replace(size=max(mark.size, 4.0), label="")
+        shown = mark._replace(size=min(max(mark.size, 4.0), 8.0), label="")
         d = f"M{px + pl // 2} {py}" + ("h0" if plain else shape_of(shown.marker, shown.size))
         return f'<path d="{d}"{look_of(shown)}/>'
     d = f"M{px} {py - 25}h{pl}v50h{-pl}z"
-    if isinstance(mark, Blocks):
-        inside = fill(mark.colours[0]) if mark.colours[0] else ' fill="none"'
-        return f'<path d="{d}"{inside}{faint(mark.alpha)}/>'
-    return f'<path d="{d}"{fill(mark.colour)}{faint(mark.alpha)}/>'
+    colour = mark.colours[0] if isinstance(mark, Blocks) else mark.colour
+    alpha = mark.alpha if isinstance(mark, Band | Area | Blocks) else 1.0
+    return f'<path d="{d}"{fill(colour)}{faint(alpha)}/>'

@@ -19,7 +19,7 @@ FAMILY = "'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-
 GRID = "#E4E4E4"
 NAME_LEFT, NAME_BELOW = 41.0, 26.0  # points from a panel to the foot of the names of its axes
 NAME_RIGHT = 42.0
-TITLE, NUMBER = 4.0, 3.5  # points between a panel and its title, and its numbers
+TITLE, NUMBER = 4.0, 6.0  # points between a panel and its title, and its numbers
 LINE = 1.05  # of the size, from line to line of one name
 
 
@@ -85,7 +85,8 @@ def _inner_legend(panel: Panel) -> str:
     if box is None:
         return ""
     left, top, width, height = (round(UNIT * side) for side in box)
-    behind = f'<path d="M{left} {top}h{width}v{height}h{-width}z"{fill(PAPER)}{faint(0.8 if panel.legend.boxed else 0.6)}/>'
+    look = fill(PAPER) + faint(0.8 if panel.legend.boxed else 0.6)
+    behind = f'<path d="M{left} {top}h{width}v{height}h{-width}z"{look}/>'
     return behind + f'<g fill="currentColor">{_legend(entries)}</g>'
 
 
@@ -102,19 +103,20 @@ def _grid(panel: Panel, frame: Frame, x_ticks: list[tuple[float, str]], y_ticks:
 def _axes(panel: Panel, frame: Frame, x_ticks: list[tuple[float, str]], y_ticks: list[tuple[float, str]]) -> str:
     """The two lines of the axes, their numbers and their names."""
     width, height = frame.size
-    at = round(UNIT * width) if panel.y_right else 0
-    text = f'<path class="axis" d="M{at} 0V{round(UNIT * height)}M0 {round(UNIT * height)}h{round(UNIT * width)}" fill="none" stroke="currentColor" stroke-width="6"/>'
+    across, down = round(UNIT * width), round(UNIT * height)
+    d = f"M{across if panel.y_right else 0} 0V{down}M0 {down}h{across}"
+    text = f'<path class="axis" d="{d}" fill="none" stroke="currentColor" stroke-width="6"/>'
     with_x, with_y = panel.numbered
     if with_x:
         size = panel.x.size
         text += _group("middle", size, [
-            (frame.across(value), height + NUMBER + 0.72 * size, name) for value, name in x_ticks
+            (float(frame.across(value)), height + NUMBER + 0.72 * size, name) for value, name in x_ticks
         ])  # fmt: skip
         text += _name(panel.x, width / 2, height + NAME_BELOW, 0.0)
     if with_y:
         size, side = panel.y.size, width + NUMBER if panel.y_right else -NUMBER
         text += _group("start" if panel.y_right else "end", size, [
-            (side, frame.down(value) + 0.36 * size, name) for value, name in y_ticks
+            (side, float(frame.down(value)) + 0.36 * size, name) for value, name in y_ticks
         ])  # fmt: skip
         text += _name(panel.y, width + NAME_RIGHT if panel.y_right else -NAME_LEFT, height / 2, -90.0)
     return text

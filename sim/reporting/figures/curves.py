@@ -52,13 +52,14 @@ def phase_strip(panel: Panel, flight: Flight) -> None:
     spans: dict[str, list[tuple[float, float]]] = {}
     for first, last in runs(shown):
         name = flight.phases[int(shown[first])]
-        begin, end = float(time[columns[first]]), float(time[columns[min(last, len(columns) - 1)]])
-        spans.setdefault(name, []).append((begin, end))
-        if (end - begin) / span * (style.WIDTH - style.LEFT - style.RIGHT) > CHARACTER * len(name) + 0.02:
+        since, until = float(time[columns[first]]), float(time[columns[min(last, len(columns) - 1)]])
+        spans.setdefault(name, []).append((since, until))
+        if (until - since) / span * (style.WIDTH - style.LEFT - style.RIGHT) > CHARACTER * len(name) + 0.02:
             colour = "white" if style.phase_colour(name) in style.DARK else "black"  # on paper of any colour
-            panel.words(words(name), (begin + end) / 2, 0.5, above=0.5, size=6.5, colour=colour)
+            panel.words(words(name), (since + until) / 2, 0.5, above=0.5, size=6.5, colour=colour)
     for name, places in spans.items():
-        panel.blocks(*np.transpose(places), 0.0, 1.0, style.phase_colour(name))
+        begin, end = np.transpose(places)
+        panel.blocks(begin, end, 0.0, 1.0, style.phase_colour(name))
     panel.x.limits = float(time[0]), float(time[0]) + span
 
 

@@ -34,7 +34,8 @@ def bank_history(flight: Flight, law: Mode, bank_limit: float) -> Drawing:
     over_time(axes, flight, np.degrees(flight.command.bank), colour=style.BLACK, width=0.9, label="command")
     over_time(axes, flight, np.degrees(flight.state.bank), colour=style.BLUE, width=1.3, label="bank")
     pad(axes, 2.0, 0.17)
-    axes.blocks(*_spans(flight, acting[BANK]), -np.inf, np.inf, style.ORANGE, alpha=0.25)
+    begin, end = _spans(flight, acting[BANK])
+    axes.blocks(begin, end, -np.inf, np.inf, style.ORANGE, alpha=0.25)
     axes.y.label = "bank, deg (+ right)"
     axes.legend = Legend("upper right", 3)
     colours = {"bank": style.ORANGE}
@@ -50,7 +51,8 @@ def _spans(flight: Flight, mask: np.ndarray) -> np.ndarray:
 def _bars(axes: Panel, flight: Flight, rows: dict[str, tuple[np.ndarray, str]]) -> None:
     """One row for each name, with a bar wherever its mask is True."""
     for row, (mask, colour) in enumerate(rows.values()):
-        axes.blocks(*_spans(flight, mask), row + 0.15, row + 0.85, colour)
+        begin, end = _spans(flight, mask)
+        axes.blocks(begin, end, row + 0.15, row + 0.85, colour)
     axes.y.limits = len(rows), 0.0
     axes.y.ticks, axes.y.size = [(row + 0.5, name) for row, name in enumerate(rows)], 6.0
     axes.grid = "x"

@@ -78,7 +78,7 @@ def phase_portrait(flight: Flight, law: Mode) -> Drawing:
         axes.points(x[begun], y[begun], marker="o", size=4.5, fill=PAPER, order=4, label="leg begun")
         axes.x.limits, axes.y.limits = (-half_x, half_x), (-half_y, half_y)
         axes.x.label = COMPONENTS[plane.x.of].label
-        axes.x.most = 5
+        axes.x.most, axes.grid = 5, ""
         axes.title = title
     panels[0].y.label = COMPONENTS[plane.y.of].label
     figure.legend = [panels[0].labelled]

@@ -19,6 +19,7 @@ LIGHT = "#E4E4E4"
 SHADE = "#DFE6EC"
 TRACKERS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, "#332288", "#7A5230", "#999933", "#444444")
 SOLID: tuple[float, ...] = ()
+BROKEN, DOTTED = (3.7, 1.6), (1.0, 1.65)  # in widths of the line, of theory and limits
 DASHES = ((3.2, 1.6), (1.5, 1.1), (6.5, 1.6))  # in widths of the line, of mismatched laws
 DOT_DASHES = (SOLID, (7.0, 1.5, 1.2, 1.5), (7.0, 1.5, 1.2, 1.5, 1.2, 1.5))  # once all colours are taken, once more
 SHARES = ((0.0, "0"), (0.5, "0.5"), (1.0, "1"))  # ticks of a probability

@@ -231,7 +231,13 @@ def section_through(flight: Flight, scenario: Any, event: WindEvent) -> Drawing:
     x, z = np.linspace(middle - reach, middle + reach, ARROWS[0]), np.linspace(0.04, 0.96, ARROWS[1]) * top
     points = axes.box.width / (ARROW_SCALE * most)  # per m/s
     places = np.meshgrid(x, z)
-    axes.arrows(*map(np.ravel, places), *(points * np.ravel(wind) for wind in section(x, z)), colour="#444444", width=0.6, head=3.0)
+    axes.arrows(
+        *map(np.ravel, places),
+        *(points * np.ravel(wind) for wind in section(x, z)),
+        colour="#444444",
+        width=0.6,
+        head=3.0,
+    )
     by_phase(axes, flight, past, state.height, near)
     axes.x.limits, axes.y.limits = (middle - reach, middle + reach), (0.0, top)
     axes.x.label = "distance past the threshold, m"

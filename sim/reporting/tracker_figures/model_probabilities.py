@@ -62,7 +62,9 @@ def _colours(names: list[str]) -> list[str]:
     return [palette[i % len(palette)] for i in range(len(names))]
 
 
-def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any], modes: dict[str, list[str]]) -> Drawing | None:
+def anomaly_strip(
+    flight: Flight, scenario: Any, tracked: dict[str, Any], modes: dict[str, list[str]]
+) -> Drawing | None:
     """Figure of angle measurements minus truth (draw 0) and the probability that each is anomalous.
 
     For the first tracker whose hypotheses are accuracies of the measurement; None where there is none.

@@ -223,7 +223,7 @@ def _slant(radar: Any, state: Any) -> np.ndarray:
     return np.asarray(radar.truth(state)[radar.channels.index("range")])
 
 
-def azimuth_norm(distance: Any) -> Drawing:
+def azimuth_norm(distance: Any) -> Any:
     """Largest azimuth error (m) at a distance (m) from the antenna: 0.6 % of it, 9 m at least."""
     return np.maximum(0.006 * distance, 9.0)
 
@@ -252,7 +252,7 @@ def look_ahead_fan(trackers: dict[str, Any], followed: list[Shown]) -> Drawing |
     return figure
 
 
-def _rmse(figure: Drawing) -> float | None:
+def _rmse(figure: Any) -> float | None:
     return figure.get("rmse") if isinstance(figure, dict) else figure
 
 
