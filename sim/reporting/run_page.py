@@ -42,7 +42,7 @@ from sim.scenario.toml_writer import dumps
 from sim.versions import rows
 from tracking.height_profile import Charted
 
-LARGEST = 2_800_000  # bytes of the figures of a page, about; a page is to stay below 3 MB
+LARGEST = 1_800_000  # bytes of the figures of a page, about; a page is to stay below 2 MB
 ROOM = 200_000  # bytes, below which no further flight is worth drawing
 MOST_ROWS = 200  # of the table of all flights; metrics.json has them all
 

@@ -222,12 +222,13 @@
   }
   const rows = data.trackers.map((tracker, index) => { // a row with a switch for each tracker
     const row = part("trackers").insertRow(), box = document.createElement("input"), label = document.createElement("label");
-    const key = document.createElementNS("http://www.w3.org/2000/svg", "svg"), stroke = document.createElementNS(key.namespaceURI, "path");
+    const key = document.createElement("span");
     box.type = "checkbox"; box.checked = true;
     box.addEventListener("change", () => { shown[index] = box.checked; draw(); });
-    const look = { d: "M0 4h26", stroke: tracker.colour, "stroke-width": 2.5, "stroke-dasharray": tracker.dash.map((n) => 1.7 * n).join(" ") };
-    for (const [name, value] of Object.entries(look)) stroke.setAttribute(name, value);
-    key.setAttribute("class", "key"); key.setAttribute("viewBox", "0 0 26 8"); key.append(stroke);
+    let end = 0;
+    const parts = tracker.dash.map((length, i) => `${i % 2 ? "transparent" : tracker.colour} ${end}px ${(end += 1.7 * length)}px`);
+    key.className = "key"; key.style.height = "3px";
+    key.style.background = parts.length ? `repeating-linear-gradient(90deg, ${parts.join(", ")})` : tracker.colour;
     label.append(box, key, tracker.name);
     row.insertCell().append(label);
     for (let i = 0; i < 3; i++) row.insertCell().className = "n";
