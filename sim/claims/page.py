@@ -106,7 +106,7 @@ def chart(plot: Plot) -> style.Chart:
             dashes = style.DASHES[0] if curve.look == "dashed" else style.SOLID
             axes.line(x, y, colour=colour, dashes=dashes, label=curve.label)
         for right, up, name in zip(x, y, curve.names, strict=False):
-            axes.words(name, right, up, right=2.0, up=-4.0, turn=50.0, above=0.5, anchor="start", size=6.7)
+            axes.words(name, right, up, right=2.0, up=-4.0, turn=50.0, above=0.5, anchor="start", size=6.7, free=True)
     axes.x.label, axes.y.label = plot.x, plot.y
     if named:  # room for the last name
         left, right = drawn.limits(axes.x)

@@ -133,6 +133,7 @@ class Words(NamedTuple):
     anchor: str = "middle"  # of the text along its line: "start", "middle", "end"
     above: float = 0.0  # which height of its letters is at the point: 0 the foot, 0.5 the middle, 1 the head
     turn: float = 0.0  # deg, clockwise
+    free: bool = False  # may reach beyond the panel
     label: str = ""
     order: float = 3.0
 

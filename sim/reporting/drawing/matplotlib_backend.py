@@ -124,6 +124,10 @@ def _axes(axes: Any, drawing: Drawing, panel: Panel) -> None:
         which.set_tick_params(labelbottom=numbered, labelleft=numbered and not panel.y_right)
         if numbered and axis.label:
             which.set_label_text(axis.label, fontsize=axis.label_size)
+        away = svg.NAME_RIGHT / panel.box.width + 1.0 if panel.y_right else -svg.NAME_LEFT / panel.box.width
+        which.set_label_coords(
+            *((0.5, -(svg.NAME_BELOW - 0.72 * axis.label_size) / panel.box.height) if name == "x" else (away, 0.5))
+        )
         if name in panel.grid:
             axes.grid(True, axis=name, which="major", color=svg.GRID, linewidth=0.5)
 
@@ -199,7 +203,7 @@ def _words(axes: Any, mark: Words) -> None:
         mark.text, (mark.x, mark.y), (mark.right, mark.up), textcoords="offset points", color=mark.colour,
         fontsize=mark.size, ha={"start": "left", "middle": "center", "end": "right"}[mark.anchor],
         va={0.0: "baseline", 0.5: "center", 1.0: "top"}[mark.above], rotation=-mark.turn, rotation_mode="anchor",
-        annotation_clip=True, zorder=mark.order,
+        annotation_clip=True, clip_on=not mark.free, zorder=mark.order,
     )  # fmt: skip
 
 
@@ -231,7 +235,7 @@ def _legend(made: Any, entries: list[legends.Entry], corner: tuple[float, float]
         look: dict[str, Any]
         if isinstance(mark, Line | Rule):
             look = {"color": mark.colour, "linewidth": mark.width, "linestyle": _dashes(mark.dashes)}
-            artist = Line2D([left, end], [middle, middle], transform=points, **look)
+            artist = Line2D([left, end], [middle, middle], transform=points, solid_capstyle="butt", **look)
         elif isinstance(mark, Points):
             look = {"marker": mark.marker, "markersize": min(max(mark.size, 4.0), 8.0), "markeredgecolor": mark.colour}
             artist = Line2D([(left + end) / 2], [middle], color=mark.fill or mark.colour, transform=points, **look)

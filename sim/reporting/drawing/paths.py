@@ -105,6 +105,6 @@ def each(x: np.ndarray, y: np.ndarray, shape: str) -> str:
     if not len(points):
         return ""
     if shape == "h0":
-        steps = np.diff(points, axis=0, prepend=[[0, 0]]).tolist()
-        return "M0 0" + "".join(f"m{dx}{' ' if dy >= 0 else ''}{dy}h0" for dx, dy in steps)
+        steps = np.diff(points, axis=0).tolist()
+        return f"M{points[0, 0]} {points[0, 1]}h0" + "".join(f"m{dx}{' ' if dy >= 0 else ''}{dy}h0" for dx, dy in steps)
     return "".join(f"M{px} {py}{shape}" for px, py in points.tolist())

@@ -15,7 +15,7 @@ from sim.reporting.drawing.marks import INK, PAPER, Area, Arrows, Band, Blocks, 
 from sim.reporting.drawing.paths import UNIT
 from sim.reporting.drawing.scales import Scale
 
-HATCH = 34  # units between two strokes of a hatching
+CLOSE, WIDE = 34, 68  # units between two strokes of a hatching, of narrow and of wide blocks
 
 
 class Frame(NamedTuple):
@@ -47,7 +47,7 @@ def elements(panel: Panel, frame: Frame) -> tuple[str, str]:
     free: list[str] = []
     for mark in sorted(panel.marks, key=lambda mark: mark.order):
         text = _WRITERS[type(mark)](mark, frame)
-        (free if isinstance(mark, Points) and mark.free else within).append(text)
+        (free if isinstance(mark, Points | Words) and mark.free else within).append(text)
     return "".join(within), "".join(free)
 
 
@@ -195,8 +195,9 @@ def hatching(left: int, top: int, wide: int, high: int) -> str:
     if high < 0:
         top, high = top + high, -high
     d = ""
-    first = (left + top) // HATCH + 1
-    for place in range(first * HATCH, left + top + wide + high, HATCH):  # x + y of a stroke
+    apart = CLOSE if min(wide, high) < 4 * CLOSE else WIDE
+    first = (left + top) // apart + 1
+    for place in range(first * apart, left + top + wide + high, apart):  # x + y of a stroke
         x0 = max(left, place - top - high)
         x1 = min(left + wide, place - top)
         if x1 > x0:

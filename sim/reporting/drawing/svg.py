@@ -18,7 +18,7 @@ from sim.reporting.drawing.shapes import Frame, elements, escaped, faint, fill, 
 FAMILY = "'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-serif"
 GRID = "#E4E4E4"
 NAME_LEFT, NAME_BELOW = 41.0, 26.0  # points from a panel to the foot of the names of its axes
-NAME_RIGHT = 42.0
+NAME_RIGHT = 34.0
 TITLE, NUMBER = 4.0, 6.0  # points between a panel and its title, and its numbers
 LINE = 1.05  # of the size, from line to line of one name
 
