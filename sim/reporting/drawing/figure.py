@@ -108,7 +108,11 @@ class Panel:
     @property
     def labelled(self) -> list[Mark]:
         """Marks with a label, once each."""
-        return [*{mark.label: mark for mark in reversed(self.marks) if mark.label}.values()][::-1]
+        found: dict[str, Mark] = {}
+        for mark in self.marks:
+            if mark.label:
+                found.setdefault(mark.label, mark)
+        return [*found.values()]
 
     def y_range(self) -> tuple[float, float]:
         """Least and greatest y of what was drawn; infinite ends, the greater first, for nothing."""

@@ -34,12 +34,13 @@ def above(drawing: Drawing) -> tuple[list[Entry], float]:
         if not row:
             continue
         size = NUMBERS
-        wanted = sum(_room(mark, size) for mark in row) - BETWEEN
-        if most < wanted <= most / SQUEEZED:
-            size *= most / wanted
+        text = sum(width(mark.label, size) for mark in row)
+        room = most - (sum(_room(mark, size) for mark in row) - BETWEEN - text)  # for the text alone
+        if SQUEEZED * text <= room < text:
+            size *= room / text
         x = left
         for mark in row:
-            if x > left and x + _room(mark, size) - BETWEEN > left + most:
+            if x > left and x + _room(mark, size) - BETWEEN > left + most + 0.1:
                 x, y = left, y + LINE * size
             found.append(Entry(mark, x, y + LINE * size / 2, size))
             x += _room(mark, size)
@@ -76,4 +77,8 @@ def within(panel: Panel, legend: Legend) -> tuple[list[Entry], Box | None]:
 
 def entries_of(panels: Sequence[Panel]) -> list[Mark]:
     """Labelled marks of several panels, each label once."""
-    return [*{mark.label: mark for panel in reversed(panels) for mark in reversed(panel.labelled)}.values()][::-1]
+    found: dict[str, Mark] = {}
+    for panel in panels:
+        for mark in panel.labelled:
+            found.setdefault(mark.label, mark)
+    return [*found.values()]

@@ -268,7 +268,7 @@ def sample(mark: Mark, x: float, y: float, length: float) -> str:
         return f'<path d="M{px} {py}h{pl}"{stroke(mark.colour, width, mark.dashes, True)} fill="none"/>'
     if isinstance(mark, Points):
         plain = mark.marker in ".o" and not mark.fill
-        shown = mark._replace(size=min(max(mark.size, 4.0), 8.0), label="")
+        shown = mark._replace(size=min(max(mark.size, 7.0 if mark.marker == "." else 4.0), 8.0), label="")
         d = f"M{px + pl // 2} {py}" + ("h0" if plain else shape_of(shown.marker, shown.size))
         return f'<path d="{d}"{look_of(shown)}/>'
     d = f"M{px} {py - 25}h{pl}v50h{-pl}z"

@@ -38,7 +38,7 @@ def monitor_strip(
     for event in wrong[:1]:
         axes.words(
             words(event.name), event.time, len(shares), right=-3.0, up=-1.0, above=1.0, size=6.0,
-            colour=style.VERMILION, anchor="end",
+            colour=style.VERMILION, anchor="end", free=True,
         )  # fmt: skip
     labels = [textwrap.fill(f"{words(name)} {_rate(rates[name])}", LINE) for name in shares]
     axes.y.ticks = [(place + 0.5 * FULL, name) for place, name in zip(places, labels, strict=True)]

@@ -20,7 +20,7 @@ PROMISED = 1.0  # false alarms in 1000 looks, of the larger dots
 def drawn_curves(curves: dict[str, list[OperatingCurve]]) -> Drawing | None:
     """Figure of the curves of each tracker; None where nothing was noticed, or there was nothing to notice."""
     every = [curve for own in curves.values() for curve in own]
-    if not any(np.isfinite(curve.delay).any() for curve in every):
+    if not any((np.isfinite(curve.delay) & np.isfinite(curve.false_alarms)).any() for curve in every):
         return None
     figure, panels = style.grid(1, len(curves), HEIGHT)
     edge = 500.0 / max(max(curve.looks for curve in every), 1)
