@@ -2,6 +2,6 @@
 
 ``figure`` is a drawing with its panels and axes, ``marks`` what lies in a panel, ``scales`` linear and logarithmic axes
 with their ticks; ``colours`` are maps from numbers to colours, ``contours`` the lines and regions of a height.
-``svg`` writes a drawing into a page, with ``paths`` and ``shapes`` for its marks, ``legends`` and ``letters`` for its
-words; ``matplotlib_backend`` draws the same value for files of any other format.
+``svg`` writes a drawing into a page, with ``shapes``, ``looks`` and ``paths`` for its marks and ``legends`` for the
+places of their names; ``matplotlib_backend`` draws the same value for files of any other format.
 """

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from sim.reporting.drawing import legends
 from sim.reporting.drawing.figure import NAMES, Axis, Drawing, Panel
+from sim.reporting.drawing.looks import escaped, faint, fill, sample, text_at
 from sim.reporting.drawing.marks import PAPER
 from sim.reporting.drawing.paths import UNIT
 from sim.reporting.drawing.scales import Scale
-from sim.reporting.drawing.shapes import Frame, elements, escaped, faint, fill, sample, text_at
+from sim.reporting.drawing.shapes import Frame, elements
 
 FAMILY = "'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-serif"
 GRID = "#E4E4E4"

@@ -10,10 +10,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from sim.reporting.drawing import contours, letters, paths, shapes, svg
+from sim.reporting.drawing import contours, legends, paths, shapes, svg
 from sim.reporting.drawing.colours import BLUE_RED, Colours, add_scale
 from sim.reporting.drawing.figure import Box, Drawing, Legend, Panel
-from sim.reporting.drawing.legends import above
 from sim.reporting.drawing.marks import NONE, Line
 from sim.reporting.drawing.matplotlib_backend import figure
 from sim.reporting.drawing.scales import LINEAR, LOGARITHMIC, Scale, named
@@ -220,12 +219,12 @@ def test_a_scale_of_colours_takes_its_room_from_the_panels():
 def test_a_legend_above_the_panels_has_as_many_rows_as_it_needs():
     drawing, _ = style.panels(1.0)
     drawing.legend = [[Line(NONE, NONE, label=f"a rather long name, number {k}") for k in range(12)]]
-    entries, height = above(drawing)
+    entries, height = legends.above(drawing)
     rows = sorted({one.y for one in entries})
     assert len(rows) > 2
     assert height > rows[-1]
     for row in rows:
-        ends = [(one.x, one.x + letters.width(one.mark.label, one.size)) for one in entries if one.y == row]
+        ends = [(one.x, one.x + legends.width(one.mark.label, one.size)) for one in entries if one.y == row]
         assert all(before[1] < after[0] for before, after in itertools.pairwise(ends))
         assert ends[-1][1] < drawing.width
 
