@@ -375,7 +375,7 @@ def run_to_folder(
     name = scenario.name if flight is None else f"{scenario.name}_flight_{flight}"
     folder = out if out is not None else Path("out") / name
     refuse_foreign(folder, "run")
-    with helper(len(scenario.trackers) >= FEW, functools.partial(load_parts, scenario.parts)):
+    with helper(len(scenario.trackers) >= FEW, functools.partial(_get_ready, scenario.parts)):
         result = run(scenario, flight=flight, workers=workers, progress=progress, remark=remark)
         claim(folder, "run")
         with staged(folder) as place:
@@ -383,6 +383,11 @@ def run_to_folder(
             result.timing["total_s"] = time.perf_counter() - started
             write_json(place / "timing.json", result.timing)
     return folder, result
+
+
+def _get_ready(parts: tuple[Part, ...]) -> None:
+    """In the helper process: parts whose values will come; this module, and all it imports, came while one flies."""
+    load_parts(parts)
 
 
 def report(result: Result, folder: Path) -> None:

@@ -214,7 +214,7 @@ def _outcome_map(x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line])
     _cells(axes, across, up, [colours[names[int(one)]] if np.isfinite(one) else "" for one in table.ravel()])
     _draw(axes, lines)
     key = [Points(NONE, NONE, colour, "s", size=6.0, label=words(name)) for name, colour in colours.items()]
-    figure.legend = [key, axes.labelled]
+    figure.legend = [[*key, *axes.labelled]]
     caption = "The commonest outcome of each cell." + _at_fixed(metrics, (x, y))
     return Chart("Outcomes", figure, caption)
 

@@ -130,7 +130,8 @@ class Drawing:
         """Both ends of an axis; those that are not given are a little beyond the data of all panels that share it."""
         low, high = axis.limits
         if low is not None and high is not None:
-            return low, high
+            room = (MARGIN * abs(low) or MARGIN) if low == high else 0.0
+            return low - room, high + room
         reaches = [
             mark.reach()[side]
             for panel in self.panels

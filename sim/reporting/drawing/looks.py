@@ -76,7 +76,7 @@ def text_at(
     colour: str = INK,
     turn: float = 0.0,
 ) -> str:
-    """A text at a place in points; several lines stand below each other."""
+    """A text at a place in points."""
     px, py = round(UNIT * x), round(UNIT * (y + 0.72 * above * size))
     look = f' font-size="{UNIT * size:g}"'
     look += f' text-anchor="{anchor}"' if anchor != "start" else ""

@@ -68,7 +68,7 @@ def plan_view(
     if switched.size:
         axes.points(x[switched], y[switched], marker="D", size=4.5, fill=PAPER, order=4, label="turn begun")
     axes.points(x[:1], y[:1], marker="o", size=5.5, fill=PAPER, order=4, label="start")
-    axes.points(x[-1:], y[-1:], marker="X", size=6.5, stroke=0.0, order=5, label=f"end: {words(flight.outcome)}")
+    axes.points(x[-1:], y[-1:], marker="X", size=6.5, order=5, label=f"end: {words(flight.outcome)}")
     _compass(axes, course, wind, _points((x, corner_x, runway_x), (y, corner_y, runway_y)))
     figure.legend = [phase_key(flight), axes.labelled]  # the phases, then everything else
     axes.x.label = "along the final course, km past the threshold"
@@ -139,20 +139,20 @@ def _equal_axes(extent: tuple[float, float, float, float]) -> tuple[Drawing, Pan
 def _compass(axes: Panel, course: float, wind: tuple[float, float], busy: np.ndarray) -> None:
     """North and wind as arrows of fixed size where the figure is emptiest; ``busy`` is what they must not cover."""
     speed = math.hypot(*wind)
-    frame = Frame(axes.x.limits, axes.y.limits, (axes.box.width, axes.box.height))
-    across, up = _emptiest(frame, busy)
+    window = Window(axes.x.limits, axes.y.limits, (axes.box.width, axes.box.height))
+    across, up = _emptiest(window, busy)
     left, right = (across - ARROWS / 2, up), (across + ARROWS / 2, up)
-    _arrow(axes, frame, left, (math.cos(course), math.sin(course)), "north", style.BLACK)
+    _arrow(axes, window, left, (math.cos(course), math.sin(course)), "north", style.BLACK)
     if speed == 0.0:
-        axes.words("calm", *frame.values(right), above=0.5, colour=style.BLUE)
+        axes.words("calm", *window.values(right), above=0.5, colour=style.BLUE)
         return
     along = (wind[0] * math.cos(course) + wind[1] * math.sin(course)) / speed
     beside = (wind[1] * math.cos(course) - wind[0] * math.sin(course)) / speed
     comes_from = math.degrees(math.atan2(-wind[1], -wind[0])) % 360
-    _arrow(axes, frame, right, (along, -beside), f"wind {comes_from:03.0f}°, {speed:.0f} m/s", style.BLUE)
+    _arrow(axes, window, right, (along, -beside), f"wind {comes_from:03.0f}°, {speed:.0f} m/s", style.BLUE)
 
 
-class Frame(NamedTuple):
+class Window(NamedTuple):
     """Linear axes: values, and points from their lower left corner."""
 
     x: tuple[Any, Any]
@@ -172,19 +172,19 @@ class Frame(NamedTuple):
 
 
 def _arrow(
-    axes: Panel, frame: Frame, centre: tuple[float, float], direction: tuple[float, float], text: str, colour: str
+    axes: Panel, window: Window, centre: tuple[float, float], direction: tuple[float, float], text: str, colour: str
 ) -> None:
     """An arrow of 32 points about ``centre`` (points from the lower left corner of the axes), its name below."""
     dx, dy = 16 * direction[0], 16 * direction[1]
-    x, y = frame.values((centre[0] - dx, centre[1] - dy))
+    x, y = window.values((centre[0] - dx, centre[1] - dy))
     axes.arrows(x, y, 2 * dx, 2 * dy, colour=colour, width=1.5, head=7.0)
-    x, y = frame.values((centre[0], centre[1] - 9 - abs(dy)))
+    x, y = window.values((centre[0], centre[1] - 9 - abs(dy)))
     axes.words(text, x, y, above=0.5, colour=colour)
 
 
-def _emptiest(frame: Frame, busy: np.ndarray) -> tuple[float, float]:
+def _emptiest(window: Window, busy: np.ndarray) -> tuple[float, float]:
     """Where, in points from the lower left corner, a box of arrows is farthest from all ``busy`` points."""
-    size, points = np.array(frame.size), frame.points(busy)
+    size, points = np.array(window.size), window.points(busy)
     half = np.array((ARROWS, 30.0))
     best, place = -math.inf, size / 2
     for across in np.linspace(half[0] + 10, size[0] - half[0] - 10, 15):

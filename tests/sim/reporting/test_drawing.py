@@ -146,6 +146,9 @@ def test_axes_without_limits_hold_the_data_of_all_panels_that_share_them():
     assert low < 1.0 < high
     panels[1].y.limits = 0.0, None
     assert figure_.limits(panels[1].y) == pytest.approx((0.0, 2.1))
+    panels[1].y.limits = 3.0, 3.0
+    low, high = figure_.limits(panels[1].y)
+    assert low < 3.0 < high
 
 
 def test_words_of_any_kind_stay_words():
