@@ -27,9 +27,11 @@ LINE = 1.05  # of the size, from line to line of one name
 def written(drawing: Drawing, title: str) -> str:
     """The element ``svg`` of a drawing; ``title`` is what a screen reader says of it."""
     entries, top = legends.above(drawing)
-    high = round(UNIT * (top + drawing.height))
+    wide, high = round(UNIT * drawing.width), round(UNIT * (top + drawing.height))
+    pixels = 96 / 72 / UNIT  # of a file that stands alone; a page gives it its own width
     head = (
-        f'<svg class="drawing" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {round(UNIT * drawing.width)} {high}" '
+        f'<svg class="drawing" xmlns="http://www.w3.org/2000/svg" width="{wide * pixels:.0f}" '
+        f'height="{high * pixels:.0f}" viewBox="0 0 {wide} {high}" '
         f'role="img" aria-label="{escaped(title)}" font-family="{FAMILY}" fill="currentColor" '
         'stroke-linejoin="round" stroke-linecap="round">'
     )
