@@ -52,7 +52,7 @@ CONFINED = {
     "contourpy": ("sim/reporting/drawing/contours.py",),
     "jinja2": ("sim/reporting/page.py",),
     "distributed": ("sim/workers/cluster.py",),
-    "pyarrow": ("sim/cli/export.py",),
+    "pyarrow": ("sim/cli/export.py", "sim/interchange/track_writer.py"),
 }
 HEAVY = (*CONFINED, "scipy")  # what a user who asks for help should not wait for
 

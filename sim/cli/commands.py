@@ -341,13 +341,41 @@ def export(
     folder: Annotated[Path, typer.Argument(help="A run folder or a study folder.")],
     csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
     parquet: Annotated[bool, typer.Option("--parquet", help="Parquet, for large records.")] = False,
+    tracks: Annotated[
+        bool, typer.Option("--tracks", help="The flights as recordings of traffic, and their runway.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="With --tracks: NAME.csv or NAME.parquet; default in the folder.")
+    ] = None,
+    date: Annotated[
+        str | None, typer.Option(metavar="DATE", help="With --tracks: when the first flight begins, ISO 8601, UTC.")
+    ] = None,
+    workers: Annotated[
+        int, typer.Option("-j", "--workers", min=1, help="With --tracks: processes that fly flights again.")
+    ] = 1,
+    plugins: Plugins = None,
 ) -> None:
     """Write the records of a run, or the flights of a study, for other programs."""
     from sim.cli.export import export as write
+    from sim.cli.export import export_tracks
 
     kinds = [name for name, asked in (("csv", csv), ("parquet", parquet)) if asked]
+    if tracks:
+        if kinds:
+            raise OutputError(
+                "say --tracks alone: the ending of its file, -o NAME.csv or NAME.parquet, says the format"
+            )
+        found = export_tracks(folder, out, date, workers, plugins or (), _progress())
+        typer.echo(f"wrote {found.files[0]}: {found.flights} flights, {found.rows} rows")
+        typer.echo(f"wrote {found.files[1]}")
+        if found.lost:
+            typer.echo(printable(f"warning: {len(found.lost)} flights are not there; {found.lost[0]}"))
+            raise typer.Exit(FLIGHTS_CRASHED)
+        return
+    if out is not None or date is not None or workers > 1:
+        raise OutputError("-o, --date and -j go with --tracks")
     if not kinds:
-        raise OutputError("say which format: --csv or --parquet")
+        raise OutputError("say what: --csv, --parquet or --tracks")
     for kind in kinds:
         for path in write(folder, kind):
             typer.echo(f"wrote {path}")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import bisect
 from collections.abc import Iterable
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -58,13 +58,17 @@ def observe(
 
 
 def _watch(flight: Flight, name: str, sensor: Any, streams: Streams, faults: list[SensorFault]) -> SensorRecord:
-    records = [AircraftState(*row) for row in np.column_stack(flight.whole.state).tolist()]
+    motion = np.array(flight.whole.state)
+    times: list[float] = motion[0].tolist()
     looks: list[Look] = []
     try:
-        state = ask(sensor, "begin", records[0].time, streams)
-        for before, after in pairwise(records):
+        state = ask(sensor, "begin", times[0], streams)
+        row = 0
+        while (row := max(row, _before(times, state))) < len(times) - 1:
+            before, after = (AircraftState(*motion[:, at].tolist()) for at in (row, row + 1))
             state, seen = looks_of(sensor, state, before, after, streams.draws)
             looks += [faulty(look, sensor, faults, before, after) for look in seen]
+            row += 1
     except SensorError as error:
         raise ScenarioError(f"[sensors.{name}] {error}") from error
     m = len(sensor.channels)
@@ -79,6 +83,12 @@ def _watch(flight: Flight, name: str, sensor: Any, streams: Streams, faults: lis
         raise ScenarioError(f"[sensors.{name}] step gives what is no measurement: {error}") from error
     candidates = None if plots[0] is None else np.array(plots)
     return SensorRecord(found.channels, found.time, found.arrival, found.z, found.R, candidates)
+
+
+def _before(times: list[float], state: Any) -> int:
+    """The record before the next epoch of a sensor whose state tells it: what lies between is not walked through."""
+    epoch = getattr(state, "epoch", None)
+    return bisect.bisect_left(times, epoch) - 1 if isinstance(epoch, float) and epoch > times[0] else 0
 
 
 def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> Measurements:

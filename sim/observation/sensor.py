@@ -49,10 +49,12 @@ QUANTITIES: dict[str, Quantity] = {
     "north": _LENGTH,
     "east": _LENGTH,
     "height": _LENGTH,  # above the threshold
+    "pressure_altitude": Quantity("m", "m"),  # above 1013.25 hPa: no place, for that the QNH must be known
     "deviation": _DIRECTION,  # from a course line
     "range_rate": _SPEED,  # + receding
     "airspeed": _SPEED,
     "ground_speed": _SPEED,
+    "vertical_rate": _SPEED,  # + up
     "bank": _ANGLE,
     "pitch": _ANGLE,
     "heading": _ANGLE,
@@ -133,7 +135,8 @@ class Sensor(Protocol):
         """State before the first epoch, which is one period after ``time`` (s).
 
         Every random number comes from ``streams``; row k of a stream belongs to epoch k, whether it is used or not, so
-        that any steps, in the loop or over a record, see the same noise.
+        that any steps, in the loop or over a record, see the same noise. A state may tell in a field ``epoch`` when its
+        next epoch is, s: over a record it is not stepped through the time before.
         """
         ...
 

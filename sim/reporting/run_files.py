@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from aircraft.state import AircraftState
 from sim.estimation.tracking_run import Tracked, joined
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
@@ -25,6 +26,11 @@ def flight_arrays(flight: Flight) -> dict[str, np.ndarray]:
         "phase": flight.phase,
         "phases": np.array(flight.phases),
     }
+
+
+def state_of(arrays: dict[str, np.ndarray]) -> AircraftState:
+    """The states of `flight_arrays`; raises ``KeyError`` where one is missing."""
+    return AircraftState(*(arrays[_with_unit(name)] for name in AircraftState._fields))
 
 
 SUFFIX_OF = {
@@ -50,7 +56,7 @@ def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray
         arrays[f"{name}.channels"] = np.array(record.channels)
         arrays[f"{name}.units"] = np.array([quantity_of(channel).si for channel in record.channels])
         arrays[f"{name}.z"] = record.z
-        # sensors' errors are independent: R is diagonal
+        # of each channel by itself: what correlates them is not kept
         R = record.R if record.R.ndim == 4 else record.R[..., None]
         arrays[f"{name}.sigma"] = np.sqrt(np.einsum("kiin->kin", R))
         if record.candidates is not None:
