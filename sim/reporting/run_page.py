@@ -38,6 +38,8 @@ from sim.reporting.text.tracker_tables import tracker_tables
 from sim.reporting.tracker_figures.charts import alarm_charts, belief_charts, contrast_chart, error_charts
 from sim.reporting.tracker_figures.error_curves import Shown, shown_trackers
 from sim.reporting.tracker_figures.model_probabilities import mode_names
+from sim.reporting.without_truth.figures import plot_charts
+from sim.reporting.without_truth.tables import plot_tables
 from sim.scenario.toml_writer import dumps
 from sim.versions import rows
 from tracking.height_profile import Charted
@@ -90,7 +92,9 @@ def write(
         several=metrics["flights"] if several else 0,
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
         spread=spread_rows(metrics.get("flights_summary", {})),
-        trackers=tracker_tables(metrics["trackers"]) if metrics.get("trackers") else [],
+        trackers=(plot_tables(metrics["trackers"]) or tracker_tables(metrics["trackers"]))
+        if metrics.get("trackers")
+        else [],
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
         draws=metrics.get("draws"),
@@ -175,9 +179,11 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
     shown = shown_trackers(scenario, tracked)
     whole, end = flight.whole, float(flight.time[-1])
     airborne = {name: record.until(end) for name, record in seen.records.items()}
-    errors = error_charts(scenario, flight, trackers, shown, airborne, seen.chart)
+    judged = error_charts if flight.known else plot_charts
+    errors = judged(scenario, flight, trackers, shown, airborne, seen.chart)
     alarms = alarm_charts(flight, trackers, tracked, shown)
-    flight_charts, measured = charts(flight, scenario, law), measurement_charts(whole, scenario.sensors, seen.records)
+    flight_charts = charts(flight, scenario, law) if flight.known else []
+    measured = measurement_charts(whole, scenario.sensors, seen.records) if flight.known else []
     flown = Flown(scenario, law, flight, tracked)
     contrast = _contrast(metrics, flown, shown, trackers) if is_first else NOTHING
     own = {**metrics, "flight": seen.figures, "trackers": trackers}
@@ -187,8 +193,9 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
         "opens": contrast.opens,
         "conformance": conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
         "replay": replay(whole, scenario, shown, seen.records, seen.chart, contrast.parted) if is_first else None,
+        "known": flight.known,
         "charts": [*map(picture, (*flight_charts, *measured))],
-        "events": event_rows(whole),
+        "events": event_rows(whole) if flight.known else [],
         "outcome": words(seen.figures["outcome"]),
         "reason": first_clause(flight.reason),
         "last_state": last_state(flight),

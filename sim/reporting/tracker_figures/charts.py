@@ -63,7 +63,7 @@ def contrast_chart(
         )
     else:
         caption += "They do not part: nowhere does one err half as much again as the other for 10 s on end."
-    keys = (Key("flown", style.BLACK), *_keys(list(pair)))
+    keys = (Key("flown", style.BLACK), *keys_of(list(pair)))
     return Chart(title[0].upper() + title[1:], drawn(found), caption, keys)
 
 
@@ -79,7 +79,7 @@ def error_charts(
     if not followed:
         return []
     drawn: list[Chart] = []
-    keys = _keys(followed)
+    keys = keys_of(followed)
 
     def add(title: str, figure: Drawing | None, caption: str, keys: tuple[Key, ...] = keys) -> None:
         if figure is not None:
@@ -143,7 +143,8 @@ def error_charts(
     return drawn
 
 
-def _keys(followed: list[Shown]) -> tuple[Key, ...]:
+def keys_of(followed: list[Shown]) -> tuple[Key, ...]:
+    """The trackers as the page names them beside a figure."""
     return tuple(Key(words(one.name), one.look["colour"], one.look["dashes"]) for one in followed)
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from sim.metrics.conformance import MISMATCHED
 from sim.metrics.error_curves import ErrorCurves
 from sim.reporting.figures import style
@@ -21,9 +23,13 @@ class Shown(NamedTuple):
 
 
 def shown_trackers(scenario: Any, tracked: dict[str, Any]) -> list[Shown]:
-    """The trackers that can be compared with the truth in any channel, each with its look."""
+    """The trackers that can be compared with the truth in any channel, or say a place, each with its look."""
     looks = _looks(scenario, tracked)
-    return [Shown(name, it.law_from, looks[name], it.curves) for name, it in tracked.items() if it.curves.channels]
+    return [
+        Shown(name, it.law_from, looks[name], it.curves)
+        for name, it in tracked.items()
+        if it.curves.channels or np.isfinite(it.curves.path.place).any()
+    ]
 
 
 def shown_channels(shown: list[Shown]) -> list[str]:

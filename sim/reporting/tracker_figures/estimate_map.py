@@ -32,7 +32,8 @@ def estimate_map(
 ) -> Drawing | None:
     """Figure with equal axes of the whole flight and of its last turn; None where no tracker knows a place.
 
-    In km from the threshold along and to the right of the final course.
+    In km from the threshold along and to the right of the final course. Of an unknown flight there are its plots, and
+    the middle of them.
     """
     shown = [one for one in followed if np.isfinite(one.curves.path.place).any()]
     if not shown:
@@ -50,15 +51,17 @@ def estimate_map(
         for label, seen in (("false plots", {n: false_plots(r) for n, r in records.items()}), ("plots", records))
     }
     width = style.WIDTH - style.LEFT - style.RIGHT
+    if not flight.known:
+        x, y = np.concatenate([turn @ shown[0].curves.path.place.T, *plots["plots"]], axis=1)
     left, right, low, high = extent((x,), (y,))
     height = min(max(width * (high - low) / (right - left), LOWEST), TALLEST)
     figure, (whole, near) = style.panels(height, ENLARGED, share=False, gap=0.34)
     scale = max((right - left) / width, (high - low) / height)
     style.frame(whole, ((left + right) / 2, (low + high) / 2), scale)
-    at = _turned(flight)
+    at = _turned(flight) if flight.known else len(shown[0].curves.path.time) // 2
     style.frame(near, (float(x[at]), float(y[at])), WINDOW / width)
     for axes, between in ((whole, (flight.time[0], flight.time[-1])), (near, None)):
-        _draw(axes, shown, (x, y), plots, turn, between)
+        _draw(axes, shown, (x, y) if flight.known else None, plots, turn, between)
         axes.y.label = "right of the threshold, km"
     near.x.label = "along the final course, km past the threshold"
     legend(figure, whole, shown)
@@ -80,7 +83,7 @@ def _turned(flight: Flight) -> int:
 def _draw(
     axes: Panel,
     shown: list[Shown],
-    flown: tuple[np.ndarray, np.ndarray],
+    flown: tuple[np.ndarray, np.ndarray] | None,
     plots: dict[str, list[np.ndarray]],
     turn: np.ndarray,
     between: tuple[float, float] | None,
@@ -97,8 +100,9 @@ def _draw(
             among = among[:: max(1, len(among) // 400)]
             label = what if index == 0 else ""
             axes.points(x[among], y[among], colour=colour, size=size, label=label, order=1.2)
-    thin = max(1, len(flown[0]) // 600)
-    axes.line(flown[0][::thin], flown[1][::thin], colour=style.BLACK, width=1.6, label="flown", order=1.5)
+    if flown is not None:
+        thin = max(1, len(flown[0]) // 600)
+        axes.line(flown[0][::thin], flown[1][::thin], colour=style.BLACK, width=1.6, label="flown", order=1.5)
     for one in shown:
         x, y = turn @ one.curves.path.place.T
         if between is None:

@@ -95,8 +95,6 @@ def credibility(flight: Flight, followed: list[Shown]) -> Drawing | None:
 
 def consistency_over_time(flight: Flight, followed: list[Shown]) -> Drawing:
     """Figure of ANEES and of the mean NIS at every epoch with the band that 95 % of consistent trackers keep."""
-    from scipy.special import chdtri
-
     figure, (strip, errors, innovations) = style.panels(STRIP, 1.7, 1.7)
     phase_strip(strip, flight)
     channel = shown_channels(followed)[0]
@@ -113,17 +111,24 @@ def consistency_over_time(flight: Flight, followed: list[Shown]) -> Drawing:
         (errors, np.full(2, float(max(one.curves.draws for one in followed) * dimension)), time),
         (innovations, most.nis_samples[seen].astype(float), most.time[seen]),
     ):
-        chosen = peaks(samples, BINS // 2)
-        low, high = (chdtri(samples[chosen], tail) / samples[chosen] for tail in (0.975, 0.025))
-        axes.band(when[chosen], low, high, "#BBBBBB", order=1.1, label="95 % band")
-        axes.rule(y=1.0, order=1.3)
-        logarithmic(axes)
-        axes.y.limits = 0.2, min(max(axes.y.limits[1] or 0.0, 5.0), UNCREDIBLE)
+        band_of_one(axes, samples, when)
     errors.y.label = f"ANEES of {split(channel)[0]}"
     innovations.y.label = "mean NIS"
     innovations.x.label = TIME
     legend(figure, errors, followed)
     return figure
+
+
+def band_of_one(axes: Panel, samples: np.ndarray, when: np.ndarray) -> None:
+    """The band about 1 in which means of so many squares lie with 95 %, on a logarithmic axis."""
+    from scipy.special import chdtri
+
+    chosen = peaks(samples, BINS // 2)
+    low, high = (chdtri(samples[chosen], tail) / samples[chosen] for tail in (0.975, 0.025))
+    axes.band(when[chosen], low, high, "#BBBBBB", order=1.1, label="95 % band")
+    axes.rule(y=1.0, order=1.3)
+    logarithmic(axes)
+    axes.y.limits = 0.2, min(max(axes.y.limits[1] or 0.0, 5.0), UNCREDIBLE)
 
 
 def error_by_phase(flight: Flight, trackers: dict[str, Any], followed: list[Shown]) -> Drawing | None:
