@@ -62,6 +62,7 @@ def shape_of(marker: str, size: float) -> str:
         "D": f"m0 {-d}l{d} {d}l{-d} {d}l{-d} {-d}z",
         "^": f"m0 {-h}l{h} {s}h{-s}z",
         "v": f"m0 {h}l{h} {-s}h{-s}z",
+        ">": f"m{h} 0l{-s} {h}v{-s}z",
         "X": f"m0 {-q}l{cross} {q} {-q}z",
     }.get(marker, f"m{-h} 0a{h} {h} 0 1 0 {s} 0a{h} {h} 0 1 0 {-s} 0z")
 

@@ -40,7 +40,7 @@ class Points(NamedTuple):
     x: Values
     y: Values
     colour: str = INK  # of the edge, and of the inside where that has none
-    marker: str = "."  # "." "o" "s" "D" "^" "v" "X", or of strokes "x" "|"
+    marker: str = "."  # "." "o" "s" "D" "^" "v" ">" "X", or of strokes "x" "|"
     size: float = 3.0
     fill: str = ""
     stroke: float = 1.0  # width of the edge

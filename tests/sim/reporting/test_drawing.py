@@ -237,7 +237,7 @@ def everything():
     drawing, panels = style.panels(1.0, 1.0, share=False)
     for panel in panels:
         panel.line([1, 2, 3], [1, 5, 2], label="line", dashes=(3, 1))
-        for marker in ".osD^vXx|":
+        for marker in ".osD^v>Xx|":
             panel.points([1.5, 2.5], [2, 3], marker=marker, fill="white")
         panel.band([1, 2, 3], 1.0, [2, 2, 4], "#AABBCC", label="band")
         panel.blocks([1, 2], [2, np.inf], -np.inf, [3, 4], ["#112233", "#445566"], edge="#000000", hatch="#777777")
