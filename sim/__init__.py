@@ -15,6 +15,7 @@ Verbs, in the order of a run
 - `observe` - Flight and sensors -> a `SensorRecord` for each sensor (sim.observation.record)
 - `track` - Prepared, Flight, records -> a `Tracked` for each tracker, and its figures (sim.estimation.tracking_run)
 - `report` - `Result` and a folder -> the files of the run (sim.experiment)
+- `identify` - Flight -> `LawFit`: the route law that flew the capture of a leg (sim.studies.identification.captures)
 - `run` - all of them but the report, and the checks -> `Result` (sim.experiment)
 - `recorded` - recorded tracks and a runway -> a `Flight` for each, not flown here (sim.flight.recording.flights)
 
@@ -90,6 +91,12 @@ Data
       that it was given; ``track``; ``curves`` - its errors over time, for figures (sim.metrics.error_curves);
       ``rollout`` - its Track after the landing, or None; ``squares`` - its squared errors by time where the scenario
       contrasts it (sim.metrics.contrasts), or None
+- `LawFit` - the route law that comes nearest to a capture (autopilot.identification)
+    - ``k1`` rad/m, ``k2`` rad/(m/s), ``cross_track_limit`` m, ``bank_limit`` rad, and ``lag`` s of the bank: each with
+      its value, its standard error sigma, and met = False for a limit that never acted and is no less than the value
+    - ``engaged`` s, when it took over from a held course, or None where it flew all of the capture
+    - ``cross_track_rms`` m, ``bank_rms`` rad - what the law leaves; ``explained``, and ``objections``, sentences
+    - ``capture`` - the record of it; ``flown`` - the same by the law; ``frequency`` rad/s and ``damping`` of the law
 - `Result` - what a run found out (sim.result)
     - ``prepared``, ``scenario``; ``metrics`` - as in metrics.json, of all flights; ``contrasted`` - sentences about
       each pair of trackers that are set against each other; ``broken`` - one for each check that failed; ``timing`` s;
@@ -114,6 +121,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from aircraft.state import AircraftState, Command
+    from autopilot.identification import LawFit
     from sim.errors import OutputError, ScenarioError
     from sim.estimation.tracking_run import Tracked, track
     from sim.experiment import fly, read, report, run
@@ -123,6 +131,7 @@ if TYPE_CHECKING:
     from sim.observation.record import SensorRecord, observe
     from sim.result import Result
     from sim.scenario.model import Scenario
+    from sim.studies.identification.captures import identify
     from sim.versions import __version__ as __version__
     from tracking.track import Measurements, Track
 
@@ -130,6 +139,7 @@ __all__ = [
     "AircraftState",
     "Command",
     "Flight",
+    "LawFit",
     "Measurements",
     "OutputError",
     "Prepared",
@@ -140,6 +150,7 @@ __all__ = [
     "Track",
     "Tracked",
     "fly",
+    "identify",
     "observe",
     "prepare",
     "read",
@@ -151,6 +162,7 @@ __all__ = [
 
 _HOMES = {
     "aircraft.state": ("AircraftState", "Command"),
+    "autopilot.identification": ("LawFit",),
     "sim.errors": ("OutputError", "ScenarioError"),
     "sim.estimation.tracking_run": ("Tracked", "track"),
     "sim.experiment": ("fly", "read", "report", "run"),
@@ -160,6 +172,7 @@ _HOMES = {
     "sim.observation.record": ("SensorRecord", "observe"),
     "sim.result": ("Result",),
     "sim.scenario.model": ("Scenario",),
+    "sim.studies.identification.captures": ("identify",),
     "sim.versions": ("__version__",),
     "tracking.track": ("Measurements", "Track"),
 }

@@ -13,8 +13,8 @@ from sim.observation.sensor import QUANTITIES, quantity_of
 
 def flight_arrays(flight: Flight) -> dict[str, np.ndarray]:
     """The record of a flight by names that carry their unit."""
-    state = {_with_unit(name): getattr(flight.state, name) for name in flight.state._fields}
-    command = {f"command_{_with_unit(name)}": getattr(flight.command, name) for name in flight.command._fields}
+    state = {state_name(name): getattr(flight.state, name) for name in flight.state._fields}
+    command = {f"command_{state_name(name)}": getattr(flight.command, name) for name in flight.command._fields}
     deviation = flight.deviation
     return {
         **state,
@@ -43,7 +43,8 @@ SUFFIX_OF = {
 }
 
 
-def _with_unit(name: str) -> str:
+def state_name(name: str) -> str:
+    """The name of a quantity of state or command in the files of a run."""
     return next((f"{name}_{suffix}" for suffix, names in SUFFIX_OF.items() if name in names), name)
 
 

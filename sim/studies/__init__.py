@@ -4,5 +4,5 @@
 has what it keeps of finished flights; ``study`` runs it. ``metrics`` are its figures for each cell, ``theory`` predicts
 limits without flying; ``figures`` and ``page`` show them. ``bisection`` finds where a figure passes a limit,
 ``convergence`` the rate of an aircraft's equations of motion. ``recordings`` writes the flights of a folder as
-recordings of traffic.
+recordings of traffic, ``identification`` finds the laws that flew.
 """
