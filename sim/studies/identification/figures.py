@@ -27,7 +27,7 @@ def charts(found: Survey) -> list[Chart]:
 
 
 def _distributions(found: Survey) -> Chart:
-    figure, axes = style.panels(*(PANEL,) * len(NAMES), share=False, gap=0.42)
+    figure, axes = style.panels(*(PANEL,) * len(NAMES), share=False, gap=0.5)
     explained = [fit for fit in found.fits.values() if fit.explained]
     for place, name in zip(axes, NAMES, strict=True):
         apart = [name in outlying(fit, found.spread) for fit in explained]
