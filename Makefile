@@ -40,7 +40,8 @@ OLDEST_TESTS := tests/tracking/test_gaussian.py tests/tracking/test_track.py tes
 	tests/autopilot/test_route_law_against_control_theory.py tests/aircraft/test_air.py \
 	tests/aircraft/test_against_newton.py tests/sim/scenario/test_units.py \
 	tests/sim/metrics/test_checks_against_rtamt.py tests/sim/metrics/test_verdict.py \
-	tests/sim/workers/test_blas.py tests/sim/reporting/test_report_trackers.py
+	tests/sim/workers/test_blas.py tests/sim/reporting/test_report_trackers.py \
+	tests/sim/reporting/test_drawing.py
 
 $(OLDEST)/ready: pyproject.toml tests/oldest.py
 	$(PYTHON) -m venv $(OLDEST)

@@ -393,12 +393,8 @@ def run_to_folder(
 
 
 def _get_ready(parts: tuple[Part, ...]) -> None:
-    """In the helper process: parts whose values will come, and what takes long to import, while the aircraft flies."""
+    """In the helper process: parts whose values will come; this module, and all it imports, came while one flies."""
     load_parts(parts)
-    from sim.reporting.figures.flight import charts  # noqa: F401
-    from sim.reporting.figures.style import get_ready
-
-    get_ready()
 
 
 def report(result: Result, folder: Path) -> None:

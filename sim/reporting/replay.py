@@ -159,8 +159,8 @@ def _estimates(one: Shown, turn: np.ndarray) -> dict[str, Any]:
     long, short, direction = ellipse(np.einsum("ij,kjl,ml->kim", turn, one.curves.path.spread[few], turn))
     return {
         "name": words(one.name),
-        "colour": one.look["color"],
-        "dashed": one.look["dashes"] != style.SOLID,
+        "colour": one.look["colour"],
+        "dash": [round(1.5 * dash, 1) for dash in one.look["dashes"]],  # pixels
         "law": one.law_from,
         "t": _listed(one.curves.path.time[few], 3),
         "x": _listed(x),

@@ -32,7 +32,7 @@ def flight_arrays(flight: Flight) -> dict[str, np.ndarray]:
 
 def state_of(arrays: dict[str, np.ndarray]) -> AircraftState:
     """The states of `flight_arrays`; raises ``KeyError`` where one is missing."""
-    return AircraftState(*(arrays[with_unit(name)] for name in AircraftState._fields))
+    return AircraftState(*(arrays[state_name(name)] for name in AircraftState._fields))
 
 
 SUFFIX_OF = {

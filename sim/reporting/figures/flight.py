@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
-from sim.reporting.figures import style
+from sim.reporting.drawing.figure import Drawing
 from sim.reporting.figures.histories import (
     airframe_history,
     bank_history,
@@ -36,10 +36,10 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
     steady = None if flight.is_recorded else scenario.wind.steady
     drawn: list[Chart] = []
 
-    def add(title: str, figure: Any, caption: str) -> None:
-        drawn.append(Chart(title, style.data_uri(figure), caption))
+    def add(title: str, figure: Drawing, caption: str) -> None:
+        drawn.append(Chart(title, figure, caption))
 
-    with style.drawing(), np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"):
         add(
             "Plan view",
             plan_view(whole, scenario.runway, steady, scenario.wind.events, scenario.sensors),

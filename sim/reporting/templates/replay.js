@@ -102,7 +102,7 @@
     data.trackers.forEach((tracker, index) => {
       const i = upTo(tracker.t, now);
       if (!shown[index] || i < 0 || tracker.x[i] == null) return;
-      const dash = tracker.dashed ? [5, 3] : [];
+      const dash = tracker.dash;
       const from = upTo(tracker.t, now - TRAIL) + 1;
       line(pen, path(tracker, from, i + 1), tracker.colour, 1.3, dash);
       const p = place(tracker.x[i], tracker.y[i]);
@@ -187,7 +187,7 @@
       if (!shown[index] || i < 0 || !tracker.height.length) return;
       const begin = upTo(tracker.t, now - TRAIL) + 1;
       const points = tracker.height.slice(begin, i + 1).map((h, j) => place(at("flown", tracker.t[begin + j]), h));
-      line(pen, points, tracker.colour, 1.4, tracker.dashed ? [5, 3] : []);
+      line(pen, points, tracker.colour, 1.4, tracker.dash);
       const d = at("flown", tracker.t[i]), h = tracker.height[i];
       const bar = [place(d, h - tracker.spread[i]), place(d, h + tracker.spread[i])];
       if (bar[0] && bar[1]) line(pen, bar, tracker.colour, 2.2);
@@ -233,7 +233,10 @@
     const key = document.createElement("span");
     box.type = "checkbox"; box.checked = true;
     box.addEventListener("change", () => { shown[index] = box.checked; draw(); });
-    key.className = "key"; key.style.borderTop = `3px ${tracker.dashed ? "dashed" : "solid"} ${tracker.colour}`;
+    let end = 0;
+    const parts = tracker.dash.map((length, i) => `${i % 2 ? "transparent" : tracker.colour} ${end}px ${(end += 1.7 * length)}px`);
+    key.className = "key"; key.style.height = "3px";
+    key.style.background = parts.length ? `repeating-linear-gradient(90deg, ${parts.join(", ")})` : tracker.colour;
     label.append(box, key, tracker.name);
     row.insertCell().append(label);
     for (let i = 0; i < 3; i++) row.insertCell().className = "n";

@@ -9,8 +9,9 @@ import numpy as np
 
 from autopilot.identification import EXPLAINED_BANK, EXPLAINED_CROSS_TRACK, LawFit
 from autopilot.law_search import NAMES
+from sim.reporting.drawing.scales import LOGARITHMIC
 from sim.reporting.figures import style
-from sim.reporting.figures.style import Chart
+from sim.reporting.figures.style import Chart, Key
 from sim.studies.identification.spread import SHARES, outlying
 from sim.studies.identification.survey import LABELS, UNIT_WORDS, Survey, scaled
 
@@ -20,13 +21,13 @@ LEAST_RESIDUALS = 0.1  # of the limits, at which a logarithmic axis begins
 
 
 def charts(found: Survey) -> list[Chart]:
-    """All of them; within `style.drawing`."""
+    """All of them."""
     drawn = [_residuals(found), *_captures(found)]
     return [_distributions(found), *drawn] if found.explained else drawn
 
 
 def _distributions(found: Survey) -> Chart:
-    figure, axes = style.panels(*(PANEL,) * len(NAMES), share=False, gap=0.42)
+    figure, axes = style.panels(*(PANEL,) * len(NAMES), share=False, gap=0.5)
     explained = [fit for fit in found.fits.values() if fit.explained]
     for place, name in zip(axes, NAMES, strict=True):
         apart = [name in outlying(fit, found.spread) for fit in explained]
@@ -39,20 +40,20 @@ def _distributions(found: Survey) -> Chart:
             if one.met and math.isfinite(one.sigma):
                 half = scaled(name, one.sigma)
                 ends = max(values[i] - half, 0.0), values[i] + half
-                place.plot(ends, (height, height), color=style.LIGHT, linewidth=1.6)
-            place.plot(values[i], height, "o" if one.met else ">", color=colour, markersize=3.0)
+                place.line(ends, (height, height), colour=style.LIGHT, width=1.6)
+            place.points(values[i], height, colour=colour, marker="o" if one.met else ">")
         spread = found.spread[name]
-        place.plot([scaled(name, q) for q in spread.quantiles], SHARES, color=style.BLACK, linewidth=0.9)
-        place.set_xlim(0.0, 1.1 * float(np.quantile(values, 0.98)) or 1.0)
-        place.set_ylim(0.0, 1.0)
-        place.set_ylabel("share")
-        place.set_xlabel(f"{LABELS[name]}, {UNIT_WORDS[name]}", labelpad=1.0)
+        place.line([scaled(name, q) for q in spread.quantiles], SHARES, width=0.9)
+        place.x.limits = 0.0, 1.1 * float(np.quantile(values, 0.98)) or 1.0
+        place.y.limits = 0.0, 1.0
+        place.y.label = "share"
+        place.x.label = f"{LABELS[name]}, {UNIT_WORDS[name]}"
     caption = (
         "Each dot is a capture, in the order of its value, with its standard error; grey arrows are limits that were "
         "never met and lie no lower; red dots lie apart from the others. Line: quantiles at 5, 25, 50, 75 and 95 % of "
         "estimates and bounds together (Kaplan and Meier)."
     )
-    return Chart("Distributions", style.data_uri(figure), caption)
+    return Chart("Distributions", figure, caption)
 
 
 def _residuals(found: Survey) -> Chart:
@@ -61,15 +62,14 @@ def _residuals(found: Survey) -> Chart:
     for good, colour in ((True, style.BLUE), (False, style.VERMILION)):
         fits = [fit for fit in found.fits.values() if fit.explained is good]
         x = [max(fit.cross_track_rms, least[0]) for fit in fits]
-        axes.plot(x, [max(math.degrees(fit.bank_rms), least[1]) for fit in fits], "o", color=colour, markersize=3.0)
-    axes.axvline(EXPLAINED_CROSS_TRACK, color=style.BLACK, linewidth=0.8, dashes=style.DASHED)
-    axes.axhline(math.degrees(EXPLAINED_BANK), color=style.BLACK, linewidth=0.8, dashes=style.DASHED)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlabel("cross-track residuals, m RMS")
-    axes.set_ylabel("bank, deg RMS")
+        axes.points(x, [max(math.degrees(fit.bank_rms), least[1]) for fit in fits], colour=colour, marker="o")
+    axes.rule(x=EXPLAINED_CROSS_TRACK, width=0.8, dashes=style.BROKEN)
+    axes.rule(y=math.degrees(EXPLAINED_BANK), width=0.8, dashes=style.BROKEN)
+    axes.x.scale = axes.y.scale = LOGARITHMIC
+    axes.x.label = "cross-track residuals, m RMS"
+    axes.y.label = "bank, deg RMS"
     caption = "What the best law leaves of each capture; beyond either line, or without a law of its kind, it is red."
-    return Chart("Residuals", style.data_uri(figure), caption)
+    return Chart("Residuals", figure, caption)
 
 
 def _captures(found: Survey) -> list[Chart]:
@@ -87,11 +87,11 @@ def _capture(name: str, fit: LawFit) -> Chart:
         (path, fit.capture.cross_track, fit.flown.cross_track),
         (bank, np.degrees(fit.capture.bank), np.degrees(fit.flown.bank)),
     ):
-        axes.plot(time, recorded, color=style.BLACK)
-        axes.plot(time, flown, color=style.VERMILION, dashes=style.DASHED)
-    path.set_ylabel("cross-track, m")
-    bank.set_ylabel("bank, deg")
-    bank.set_xlabel("s from 12 s before the turn")
-    keys = (("recorded", style.BLACK, False), ("law", style.VERMILION, True))
+        axes.line(time, recorded)
+        axes.line(time, flown, colour=style.VERMILION, dashes=style.BROKEN)
+    path.y.label = "cross-track, m"
+    bank.y.label = "bank, deg"
+    bank.x.label = "s from 12 s before the turn"
+    keys = (Key("recorded", style.BLACK), Key("law", style.VERMILION, style.BROKEN))
     verdict = "explained" if fit.explained else "not explained: " + "; ".join(fit.objections)
-    return Chart(name, style.data_uri(figure), f"{verdict[0].upper()}{verdict[1:]}.", keys)
+    return Chart(name, figure, f"{verdict[0].upper()}{verdict[1:]}.", keys)

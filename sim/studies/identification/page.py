@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 from autopilot.law_search import NAMES
-from sim.reporting.figures import style
-from sim.reporting.page import rendered
+from sim.reporting.page import picture, rendered
 from sim.reporting.text.labels import ABSENT
 from sim.studies.identification.figures import charts
 from sim.studies.identification.spread import SHARES, correlations, outlying
@@ -18,8 +17,7 @@ MOST_ROWS = 500  # of the table on the page; identification.json has them all
 
 def page(found: Survey, law: str | None) -> str:
     """The text of identification.html; ``law`` is that of law.toml."""
-    with style.drawing():
-        drawn = charts(found) if found.fits else []
+    drawn = [picture(chart) for chart in charts(found)] if found.fits else []
     fits = [*found.fits.items()]
     return rendered(
         "identification.html",
