@@ -16,6 +16,7 @@ Verbs, in the order of a run
 - `track` - Prepared, Flight, records -> a `Tracked` for each tracker, and its figures (sim.estimation.tracking_run)
 - `report` - `Result` and a folder -> the files of the run (sim.experiment)
 - `run` - all of them but the report, and the checks -> `Result` (sim.experiment)
+- `recorded` - recorded tracks and a runway -> a `Flight` for each, not flown here (sim.flight.recording.flights)
 
 Units and frames
 ----------------
@@ -37,6 +38,7 @@ Data
     - ``air`` - density, temperature and pressure over the runway (aircraft.air)
     - ``mode`` - the kind of law that flies, ``modes`` - the classes of all laws that are named; ``law`` - what the file
       sets of it; ``designed`` - gains it brings along; ``parts`` - kinds from outside that are named
+    - ``record`` - the table of a flight that was flown elsewhere, or None (sim.scenario.recording.table)
     - ``sensors``, ``trackers`` - by name; ``departures`` from the law, ``sensor_faults``; ``contrasts`` of trackers;
       ``checks``; ``study``
     - ``tables`` - the resolved file itself, in its own spelling
@@ -44,7 +46,7 @@ Data
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state
     - ``limits`` that end a flight; ``gains``, their design and what it was made for; ``designed``, the gains
       that fly; ``rate`` Hz of the equations of motion; ``warnings``, sentences; ``stall_speed`` m/s equivalent of
-      the landing, or None
+      the landing, or None; ``recording`` - a `Flight` that was flown elsewhere, in place of one that is flown, or None
 - `Flight` - the record of one flight, k instants at 30 Hz (sim.flight.record)
     - ``time`` (k,) s; ``state`` and ``command`` - `AircraftState` and `Command` of arrays (k,)
     - ``route`` that was to be flown; ``leg`` (k,) - index of the active one; ``deviation`` from it, of arrays (k,)
@@ -53,6 +55,8 @@ Data
       or time_limit; ``reason``, a sentence; ``gate_height`` m of the stabilised-approach gate, None = no landing
     - ``rollout`` - from the landing to the stop, a `Flight` too (outcome stopped, excursion, time_limit or diverged),
       or None; ``whole`` - both as one record; ``utc`` s since 1970 at time 0, or None
+    - of a recorded flight all but motion and bank is NaN, commands too; its phases are vectors, capture, established,
+      glide and ground
 - `AircraftState` - one instant of motion, or a record of arrays (aircraft.state)
     - ``time`` s; ``north``, ``east``, ``height`` m; ``velocity_north``, ``velocity_east``, ``velocity_up`` m/s
     - ``bank``, ``pitch``, ``heading`` rad; ``roll_rate``, ``pitch_rate``, ``yaw_rate`` rad/s, body axes
@@ -115,6 +119,7 @@ if TYPE_CHECKING:
     from sim.experiment import fly, read, report, run
     from sim.flight.preparation import Prepared, prepare
     from sim.flight.record import Flight
+    from sim.flight.recording.flights import recorded
     from sim.observation.record import SensorRecord, observe
     from sim.result import Result
     from sim.scenario.model import Scenario
@@ -138,6 +143,7 @@ __all__ = [
     "observe",
     "prepare",
     "read",
+    "recorded",
     "report",
     "run",
     "track",
@@ -150,6 +156,7 @@ _HOMES = {
     "sim.experiment": ("fly", "read", "report", "run"),
     "sim.flight.preparation": ("Prepared", "prepare"),
     "sim.flight.record": ("Flight",),
+    "sim.flight.recording.flights": ("recorded",),
     "sim.observation.record": ("SensorRecord", "observe"),
     "sim.result": ("Result",),
     "sim.scenario.model": ("Scenario",),

@@ -35,7 +35,7 @@ from sim.metrics.navigation import navigation_quality
 from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
-from sim.reporting.text.warnings import contrast_warnings, skipped_looks, warnings
+from sim.reporting.text.warnings import contrast_warnings, skipped_looks, unjudged, warnings
 from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.axes import samples
@@ -77,6 +77,8 @@ def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
 
 def _fly(prepared: Prepared, number: int) -> Flight:
     scenario = prepared.scenario
+    if prepared.recording is not None:
+        return with_fault_events(prepared.recording, scenario.sensor_faults)
     try:
         flight = flights.fly(
             prepared.vehicle,
@@ -161,6 +163,7 @@ def run(
     told = [
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
+        *unjudged(flown, checks, found.checks),
         *skipped_looks(found.tracks),
         *contrast_warnings(contrasts, trackers_found),
         *assumed_height.remarks(prepared, flown, before),
@@ -216,6 +219,8 @@ def drawn_for(scenario: Scenario, flight: int, catalogue: Catalogue) -> Scenario
     values = samples(scenario.study.varied, drawn, scenario.seed)[flight // scenario.flights]
     if not values:
         return scenario
+    if scenario.record is not None:  # nothing is designed for it
+        return read(scenario.tables, values, plugins=catalogue)
     gains = prepare(scenario).gains.designed.to_table()
     return read({**scenario.tables, "designed": gains}, values, plugins=catalogue)
 
@@ -260,7 +265,7 @@ def _elsewhere(
     prepared: Prepared, numbers: Sequence[int], own: dict[str, Any] | None, workers: int
 ) -> Iterator[tuple[int, Any]]:
     """Number and record of flights, or ``Lost``, as worker processes end them."""
-    tables = {**prepared.scenario.tables, "designed": prepared.gains.to_table(), "study": None}
+    tables = {**prepared.scenario.tables, "designed": prepared.design, "study": None}
     refuse_small_limit()
     executor = LocalExecutor(min(workers, len(numbers)))
     try:
@@ -360,7 +365,7 @@ def _on_truth(prepared: Prepared, number: int) -> dict[str, Any]:
 
 
 def run_to_folder(
-    source: str,
+    source: str | dict[str, Any],
     overrides: dict[str, Any],
     out: Path | None,
     progress: Callable[..., Any] | None = None,
@@ -399,7 +404,7 @@ def report(result: Result, folder: Path) -> None:
     from sim.reporting.run_page import write
 
     with timed(result.timing, "report_s"):
-        resolved = {**result.scenario.tables, "designed": result.prepared.gains.to_table()}
+        resolved = {**result.scenario.tables, "designed": result.prepared.design}
         (folder / "scenario.toml").write_text(dumps(resolved), encoding="utf-8")
         write_json(folder / "metrics.json", result.metrics)
         write_npz(folder / "flight.npz", flight_arrays(result.flight.whole))

@@ -75,16 +75,27 @@ def run(
     as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
 ) -> None:
     """Fly, observe, track and report a scenario."""
-    from sim import experiment
-
-    overrides = _overrides(sets, seed=seed, flights=flights, draws=draws)
     if flight is not None and workers > 1:
         raise ScenarioError("run: say --flight or -j, not both: one flight has no work to share")
+    overrides = _overrides(sets, seed=seed, flights=flights, draws=draws)
+    _run(scenario, overrides, out, plugins, as_json, flight=flight, workers=workers)
+
+
+def _run(
+    scenario: str | dict[str, Any],
+    overrides: dict[str, Any],
+    out: Path | None,
+    plugins: list[Path] | None,
+    as_json: bool,
+    **how: Any,
+) -> None:
+    """Run a scenario into a folder and say what came of it."""
+    from sim import experiment
 
     def remark(sentence: str) -> None:
         typer.echo(f"warning: {sentence}", err=as_json)
 
-    given = {"progress": _progress(), "plugins": plugins or (), "flight": flight, "workers": workers, "remark": remark}
+    given = {"progress": _progress(), "plugins": plugins or (), "remark": remark, **how}
     folder, result = experiment.run_to_folder(scenario, overrides, out, **given)
     if as_json:
         typer.echo((folder / "metrics.json").read_text(encoding="utf-8"), nl=False)
@@ -96,6 +107,22 @@ def run(
         typer.echo(summary(result.metrics, again, result.prepared.warnings, result.contrasted))
         typer.echo(f"report: {folder / 'report.html'}")
     raise typer.Exit(_exit_code(result.metrics))
+
+
+@app.command()
+def record(
+    tracks: Annotated[Path, typer.Argument(help="Recorded tracks, CSV or Parquet.")],
+    runway: Annotated[Path, typer.Option(metavar="FILE", help="TOML file with a table [runway], and [air] if known.")],
+    flight: Annotated[str | None, typer.Option(metavar="ID", help="Which flight, where there are several.")] = None,
+    out: Out = None,
+    sets: Sets = None,
+    plugins: Plugins = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
+) -> None:
+    """Observe, track and report a recorded flight; the scenario lies in the folder of the run."""
+    from sim.scenario.recording.completion import scenario_of
+
+    _run(scenario_of(tracks, runway, flight), _overrides(sets), out, plugins, as_json)
 
 
 Cluster = Annotated[

@@ -223,7 +223,7 @@ def _judged(watch: Watch, entry: Entry, made: Track, errors: TrackerErrors, look
     figures = {
         "look_ahead": look_ahead_rmse(looked),
         **tracker_metrics(watch.flight, made, errors),
-        "conformance": conformance.figures(seen, watch.prepared.departure),
+        "conformance": conformance.figures(seen, watch.prepared.departure, watch.flight.is_recorded),
         "monitor": monitoring.figures(made, watch.prepared.fault(entry.sensors)),
     }
     sensors = {name: watch.prepared.scenario.sensors[name] for name in entry.sensors}

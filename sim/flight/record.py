@@ -73,6 +73,11 @@ class Flight:
         s = self.state
         return np.asarray(np.array((s.velocity_north, s.velocity_east, s.velocity_up)) - np.array(s.air_velocity))
 
+    @property
+    def is_recorded(self) -> bool:
+        """Whether it was flown elsewhere, at a date, and seen from outside: what only the aircraft knows is NaN."""
+        return self.utc is not None and bool(np.isnan(self.state.airspeed).all())
+
     def during(self, phases: str | tuple[str, ...]) -> np.ndarray:
         """(k,) bool: where one of the phases was flown.
 

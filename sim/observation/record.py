@@ -47,14 +47,27 @@ def observe(
 
     ``faults`` are those of a scenario, its ``sensor_faults``; without them every sensor errs as it states.
 
-    Raises ``ScenarioError`` for a sensor that does not keep its contract.
+    Raises ``ScenarioError`` for a sensor that does not keep its contract, or measures what nobody knows of the flight.
     """
+    refuse_unknown(flight, sensors)
     return {
         name: _watch(
             flight, name, sensor, Streams(seed, number, draws, name), [one for one in faults if one.sensor == name]
         )
         for name, sensor in sensors.items()
     }
+
+
+def refuse_unknown(flight: Flight, sensors: dict[str, Any]) -> None:
+    """Raise ``ScenarioError`` for a sensor of something that a recorded flight does not know, such as an airspeed."""
+    if not flight.is_recorded:
+        return
+    state = AircraftState(*(float(column[0]) for column in flight.state))
+    for name, sensor in sensors.items():
+        known = np.isfinite(np.asarray(sensor.truth(state), float))
+        unknown = [channel for channel, one in zip(sensor.channels, known, strict=True) if not one]
+        if unknown:
+            raise ScenarioError(f"[sensors.{name}] measures {', '.join(unknown)}, which a recording does not know")
 
 
 def _watch(flight: Flight, name: str, sensor: Any, streams: Streams, faults: list[SensorFault]) -> SensorRecord:

@@ -16,7 +16,9 @@ def flight_arrays(flight: Flight) -> dict[str, np.ndarray]:
     state = {_with_unit(name): getattr(flight.state, name) for name in flight.state._fields}
     command = {f"command_{_with_unit(name)}": getattr(flight.command, name) for name in flight.command._fields}
     deviation = flight.deviation
+    date = {} if flight.utc is None else {"utc_s": flight.utc + flight.time}  # since 1970
     return {
+        **date,
         **state,
         **command,
         "cross_track_m": deviation.cross_track,

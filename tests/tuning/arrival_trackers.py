@@ -256,7 +256,6 @@ def moved_route(route: Route, north: float, east: float) -> Route:
 def recorded_scene(tracks: Path, runway: Path, seed: int, draws: int) -> Scene:
     """The flights of a file of recordings under the radar of ``law``, placed at their runway; those with a capture."""
     from sim.flight.recording.flights import recorded
-
     from sim.scenario.reading import read_runway
 
     place, _ = read_runway(runway)

@@ -59,6 +59,25 @@ def _bars(axes: Panel, flight: Flight, rows: dict[str, tuple[np.ndarray, str]]) 
     axes.x.label = TIME
 
 
+def motion_history(flight: Flight, bank_limit: float) -> Drawing:
+    """Figure of what is known of a recorded flight: bank, ground speed, rate of climb; ``bank_limit`` in rad."""
+    state = flight.state
+    figure, (strip, bank, speed, vertical) = style.panels(STRIP, 1.4, 1.0, 0.9)
+    phase_strip(strip, flight)
+    for side in (-1.0, 1.0):
+        bank.rule(y=side * np.degrees(bank_limit), colour=style.VERMILION, width=0.8, dashes=(4, 3))
+    for axes, values, label in (
+        (bank, np.degrees(state.bank), "bank, deg (+ right)"),
+        (speed, state.ground_speed, "ground speed, m/s"),
+        (vertical, state.velocity_up, "climb, m/s"),
+    ):
+        over_time(axes, flight, values, colour=style.BLUE, width=1.3)
+        pad(axes, 4.0)
+        axes.y.label = label
+    vertical.x.label = TIME
+    return figure
+
+
 def speed_history(flight: Flight) -> Drawing:
     """Figure of true airspeed against its schedule, equivalent airspeed, ground speed, flaps and gear."""
     state = flight.state
@@ -81,7 +100,7 @@ def speed_history(flight: Flight) -> Drawing:
 def airframe_history(flight: Flight) -> Drawing | None:
     """Figure of what only a whole aircraft has: incidence, vertical speed, load factor, controls; None for a point."""
     state = flight.state
-    if not np.any(state.elevator) and not np.any(state.throttle):
+    if flight.is_recorded or (not np.any(state.elevator) and not np.any(state.throttle)):
         return None
     figure, (strip, angles, vertical, controls) = style.panels(STRIP, 1.1, 1.0, 1.2)
     phase_strip(strip, flight)

@@ -26,14 +26,14 @@ ARROWS = 62.0  # points between the north arrow and the wind arrow
 def plan_view(
     flight: Flight,
     runway: Runway,
-    wind: tuple[float, float],
+    wind: tuple[float, float] | None,
     events: Mapping[str, Any] | None = None,
     sensors: Mapping[str, Any] | None = None,
 ) -> Drawing:
     """Figure with equal axes, in km from the threshold along and to the right of the final course.
 
-    ``wind`` is the steady one, the way the air moves, m/s (north, east); ``events`` and ``sensors`` are drawn by their
-    outlines.
+    ``wind`` is the steady one, the way the air moves, m/s (north, east), None = unknown; ``events`` and
+    ``sensors`` are drawn by their outlines.
     """
     course = flight.route.legs[-1].course
     c, s = math.cos(course), math.sin(course)
@@ -136,13 +136,15 @@ def _equal_axes(extent: tuple[float, float, float, float]) -> tuple[Drawing, Pan
     return figure, axes
 
 
-def _compass(axes: Panel, course: float, wind: tuple[float, float], busy: np.ndarray) -> None:
+def _compass(axes: Panel, course: float, wind: tuple[float, float] | None, busy: np.ndarray) -> None:
     """North and wind as arrows of fixed size where the figure is emptiest; ``busy`` is what they must not cover."""
-    speed = math.hypot(*wind)
     window = Window(axes.x.limits, axes.y.limits, (axes.box.width, axes.box.height))
     across, up = _emptiest(window, busy)
     left, right = (across - ARROWS / 2, up), (across + ARROWS / 2, up)
     _arrow(axes, window, left, (math.cos(course), math.sin(course)), "north", style.BLACK)
+    if wind is None:
+        return
+    speed = math.hypot(*wind)
     if speed == 0.0:
         axes.words("calm", *window.values(right), above=0.5, colour=style.BLUE)
         return

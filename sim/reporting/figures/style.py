@@ -26,6 +26,9 @@ SHARES = ((0.0, "0"), (0.5, "0.5"), (1.0, "1"))  # ticks of a probability
 DARK = (BLACK, BLUE, VERMILION, GREEN)  # on which text is white
 
 PHASE_COLOURS = {
+    "vectors": BLUE,
+    "capture": VERMILION,
+    "established": GREEN,
     "intercept": GREY,
     "downwind": BLUE,
     "base_turn": ORANGE,

@@ -42,6 +42,7 @@ def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
         "envelope": "the aircraft left its flight envelope",
         "go_around": "the aircraft had gone around and climbed away",
         "completed": "the flight was complete",
+        "landed": "the aircraft landed",
         "time_limit": "the flight was ended by the time limit",
     }.get(outcome, f"the flight ended as '{outcome}'")
     if reason and not reason.startswith(REPEATING):

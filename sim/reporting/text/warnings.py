@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from autopilot.landing import REFERENCE_MARGIN
 from sim.flight.outcomes import STOPPED
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
+from sim.scenario.tables import Check
 from tracking.track import FARTHEST
 
 CLOSE = 50.0  # m from an antenna: there the noise of a range is a good part of it, and its angles mean little
@@ -48,6 +50,15 @@ def warnings(
         if any(figure["rmse"] is None or not np.isfinite(figure["rmse"]) for figure in its["overall"].values())
     ]
     return [sentence for sentence in found if sentence]
+
+
+def unjudged(flight: Flight, checks: Iterable[Check], found: Iterable[dict[str, Any]]) -> list[str]:
+    """Sentences about checks of what a recorded flight does not know; ``found`` is what each check found on it."""
+    return [
+        f"the check of '{asked.metric}' is not judged: the recording does not know it, or has no such phase"
+        for asked, one in zip(checks, found, strict=True)
+        if flight.is_recorded and one["passed"] is None
+    ]
 
 
 def skipped_looks(tracks: dict[str, Any]) -> list[str]:
