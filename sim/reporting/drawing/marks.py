@@ -117,7 +117,8 @@ class Rule(NamedTuple):
 
     def reach(self) -> Reach:
         """Its value."""
-        return tuple(NONE if at is None else np.array([at], float) for at in (self.x, self.y))  # type: ignore[return-value]
+        x = NONE if self.x is None else np.array([self.x], float)
+        return x, NONE if self.y is None else np.array([self.y], float)
 
 
 class Words(NamedTuple):
