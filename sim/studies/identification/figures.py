@@ -16,7 +16,7 @@ from sim.studies.identification.survey import LABELS, UNIT_WORDS, Survey, scaled
 
 PANEL = 1.0  # in, of one distribution
 SHOWN = 3  # captures that are drawn
-LEAST_RESIDUALS = 0.1  # of the limits, at which a logarithmic axis begins
+SHOWN_RESIDUALS = 2.0  # of the limits, up to which residuals are told apart
 
 
 def charts(found: Survey) -> list[Chart]:
@@ -57,18 +57,19 @@ def _distributions(found: Survey) -> Chart:
 
 def _residuals(found: Survey) -> Chart:
     figure, (axes,) = style.panels(2.4)
-    least = LEAST_RESIDUALS * EXPLAINED_CROSS_TRACK, math.degrees(LEAST_RESIDUALS * EXPLAINED_BANK)
+    most = SHOWN_RESIDUALS * EXPLAINED_CROSS_TRACK, SHOWN_RESIDUALS * math.degrees(EXPLAINED_BANK)
     for good, colour in ((True, style.BLUE), (False, style.VERMILION)):
         fits = [fit for fit in found.fits.values() if fit.explained is good]
-        x = [max(fit.cross_track_rms, least[0]) for fit in fits]
-        axes.plot(x, [max(math.degrees(fit.bank_rms), least[1]) for fit in fits], "o", color=colour, markersize=3.0)
+        x = [min(fit.cross_track_rms, most[0]) for fit in fits]
+        y = [min(math.degrees(fit.bank_rms), most[1]) for fit in fits]
+        axes.plot(x, y, "o", color=colour, markersize=3.0, clip_on=False)
     axes.axvline(EXPLAINED_CROSS_TRACK, color=style.BLACK, linewidth=0.8, dashes=style.DASHED)
     axes.axhline(math.degrees(EXPLAINED_BANK), color=style.BLACK, linewidth=0.8, dashes=style.DASHED)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set_xlim(0.0, most[0])
+    axes.set_ylim(0.0, most[1])
     axes.set_xlabel("cross-track residuals, m RMS")
     axes.set_ylabel("bank, deg RMS")
-    caption = "What the best law leaves of each capture; beyond either line, or without a law of its kind, it is red."
+    caption = "What the best law leaves of each capture; what is not explained is red. At the edge: as much or more."
     return Chart("Residuals", style.data_uri(figure), caption)
 
 
