@@ -17,7 +17,7 @@ from sim.studies.identification.survey import LABELS, UNIT_WORDS, Survey, scaled
 
 PANEL = 1.0  # in, of one distribution
 SHOWN = 3  # captures that are drawn
-LEAST_RESIDUALS = 0.1  # of the limits, at which a logarithmic axis begins
+SHOWN_RESIDUALS = 2.0  # of the limits, up to which residuals are told apart
 
 
 def charts(found: Survey) -> list[Chart]:
@@ -58,17 +58,17 @@ def _distributions(found: Survey) -> Chart:
 
 def _residuals(found: Survey) -> Chart:
     figure, (axes,) = style.panels(2.4)
-    least = LEAST_RESIDUALS * EXPLAINED_CROSS_TRACK, math.degrees(LEAST_RESIDUALS * EXPLAINED_BANK)
+    most = SHOWN_RESIDUALS * EXPLAINED_CROSS_TRACK, SHOWN_RESIDUALS * math.degrees(EXPLAINED_BANK)
     for good, colour in ((True, style.BLUE), (False, style.VERMILION)):
         fits = [fit for fit in found.fits.values() if fit.explained is good]
-        x = [max(fit.cross_track_rms, least[0]) for fit in fits]
-        axes.points(x, [max(math.degrees(fit.bank_rms), least[1]) for fit in fits], colour=colour, marker="o")
+        x = [min(fit.cross_track_rms, most[0]) for fit in fits]
+        axes.points(x, [min(math.degrees(fit.bank_rms), most[1]) for fit in fits], colour=colour, marker="o")
     axes.rule(x=EXPLAINED_CROSS_TRACK, width=0.8, dashes=style.BROKEN)
     axes.rule(y=math.degrees(EXPLAINED_BANK), width=0.8, dashes=style.BROKEN)
-    axes.x.scale = axes.y.scale = LOGARITHMIC
+    axes.x.limits, axes.y.limits = (0.0, 1.02 * most[0]), (0.0, 1.02 * most[1])
     axes.x.label = "cross-track residuals, m RMS"
     axes.y.label = "bank, deg RMS"
-    caption = "What the best law leaves of each capture; beyond either line, or without a law of its kind, it is red."
+    caption = "What the best law leaves of each capture; what is not explained is red. At the edge: as much or more."
     return Chart("Residuals", figure, caption)
 
 
