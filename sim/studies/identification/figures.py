@@ -9,7 +9,6 @@ import numpy as np
 
 from autopilot.identification import EXPLAINED_BANK, EXPLAINED_CROSS_TRACK, LawFit
 from autopilot.law_search import NAMES
-from sim.reporting.drawing.scales import LOGARITHMIC
 from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart, Key
 from sim.studies.identification.spread import SHARES, outlying
