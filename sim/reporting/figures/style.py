@@ -42,6 +42,8 @@ PHASE_COLOURS = {
     "ground": GREY,
     "go_around": VERMILION,
     "rollout": ORANGE,
+    "vectors": BLUE,
+    "capture": VERMILION,
 }
 
 _STYLE: dict[Any, object] = {  # by the keys of matplotlib, which not all of its versions type

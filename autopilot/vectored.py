@@ -1,0 +1,151 @@
+"""An approach that is vectored: headings given from outside are held until the law takes over, often late.
+
+Until then the bank follows the heading error; speed and height are those of the approach. The law is armed on the last
+heading and captures when it would itself turn towards the final course. Nothing plans this turn: where it begins is the
+law's own affair, and the wind's.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
+from autopilot.approach import CAPTURE, TURNING, VECTORS, Approach, ApproachState
+from autopilot.departure import Departing
+from autopilot.route import PathDeviation, Route
+from autopilot.saturation import saturate
+
+HEADING_TIME = 8.0  # s, in which a heading error fades: slow beside the bank loop, quick beside a vector
+PLAN_STEP = 0.5  # s
+
+
+class Vector(NamedTuple):
+    """One heading and how long it is held."""
+
+    heading: float  # rad less the final course, + to the right
+    time: float  # s; of the last one, from its beginning until the extended centreline is met
+
+
+@dataclass(frozen=True)
+class HeldHeading:
+    """The bank that turns onto a heading and holds it: the error fades within a time, at a speed through the air."""
+
+    heading: Annotated[float, "rad"]  # less the course of the leg, + to the right
+    speed: Annotated[float, "m/s"]
+    bank_limit: Annotated[float, "rad"]
+
+    def __call__(self, deviation: PathDeviation) -> float:
+        """Bank command, rad: the turn rate g/V bank that takes the error out in ``HEADING_TIME``."""
+        error = math.remainder(self.heading - deviation.heading_error, math.tau)
+        return float(saturate(self.speed / (STANDARD_GRAVITY * HEADING_TIME) * error, self.bank_limit))
+
+    def check_convergence(self, ground_speed: float, offset: float = math.inf, turns: bool = False) -> None:
+        """Nothing: a heading leads nowhere."""
+
+
+class VectoredState(NamedTuple):
+    """What the autopilot remembers; the first four are those that every autopilot shows."""
+
+    phase: int
+    leg: int
+    finished: str
+    flown: ApproachState
+    began: float  # s, when the first heading was given
+    captured: float  # s, when the law would first have turned in; infinite until then
+
+
+@dataclass(frozen=True)
+class Vectored:
+    """Headings held one after another, and the approach from where its law takes over.
+
+    ``after`` is what flies then: the approach, or one that is left again. ``late`` (s) is how long after the law's own
+    criterion it is engaged.
+    """
+
+    approach: Approach
+    after: Approach | Departing
+    vectors: tuple[Vector, ...]
+    late: float = 0.0
+    held: tuple[tuple[float, Approach], ...] = dataclasses.field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        speed, limit = self.approach.route.legs[-1].speed, self.approach.law.bank_limit
+        since, held = 0.0, []
+        for vector in self.vectors:
+            law = HeldHeading(vector.heading, speed, limit)
+            held.append((since, dataclasses.replace(self.approach, law=law)))
+            since += vector.time
+        object.__setattr__(self, "held", tuple(held))
+
+    @property
+    def route(self) -> Route:
+        """The final approach."""
+        return self.approach.route
+
+    def begin(self, state: AircraftState, leg: int = 0) -> VectoredState:
+        """On the first heading."""
+        return VectoredState(VECTORS, leg, "", self.approach.begin(state, leg), state.time, math.inf)
+
+    def step(self, s: VectoredState, state: AircraftState, dt: float) -> tuple[VectoredState, Command]:
+        """Command for the next ``dt`` seconds, of the heading or of the law."""
+        captured = s.captured
+        if (
+            math.isinf(captured)
+            and state.time - s.began >= self.held[-1][0]
+            and turns_in(self.approach.law, self.approach.deviation(s.leg, state), self.vectors[-1].heading)
+        ):
+            captured = state.time
+        engaged = state.time >= captured + self.late
+        flown: Approach | Departing = self.after
+        if not engaged:
+            flown = next(one for since, one in reversed(self.held) if state.time - s.began >= since)
+        inner, command = flown.step(s.flown, state, dt)
+        phase = inner.phase
+        if phase in TURNING or not engaged:
+            phase = CAPTURE if engaged else VECTORS
+        return VectoredState(phase, inner.leg, inner.finished, inner, s.began, captured), command
+
+
+def turns_in(law: Any, deviation: PathDeviation, heading: float) -> bool:
+    """Whether a law would turn from an intercept heading (rad less the course) towards the course.
+
+    A law that is a sum of limited deviations is asked without its limits, k1 z + k2 z' changing its sign for law (4):
+    the line is then k2/k1 seconds away. With them, a law whose own intercept is shallower than the heading would bend
+    the path as far out as it is armed.
+    """
+    inputs = law.limits()
+    demand = -sum(one.gain * getattr(deviation, one.of) for one in inputs) if inputs else math.nan
+    if not math.isfinite(demand):
+        demand = float(law(deviation))
+    side = math.copysign(1.0, heading)
+    return side * deviation.cross_track_rate > 0.0 and side * demand < 0.0
+
+
+def way(
+    vectors: Sequence[Vector], airspeed: float, bank_limit: float, wind: tuple[float, float]
+) -> tuple[list[float], list[float]]:
+    """The way over the ground, m along and to the right of the final course, while the vectors are flown.
+
+    It begins at (0, 0) on the first heading; each other one is turned to at the bank limit, at one airspeed (m/s).
+    ``wind`` is the way the air moves, m/s along and to the right.
+    """
+    heading, along, across = vectors[0].heading, [0.0], [0.0]
+    most = STANDARD_GRAVITY * math.tan(bank_limit) / airspeed
+    for vector in vectors:
+        steps = math.ceil(vector.time / PLAN_STEP)
+        dt = vector.time / steps
+        for _ in range(steps):
+            heading += saturate(math.remainder(vector.heading - heading, math.tau), most * dt)
+            along.append(along[-1] + (airspeed * math.cos(heading) + wind[0]) * dt)
+            across.append(across[-1] + (airspeed * math.sin(heading) + wind[1]) * dt)
+    return along, across
+
+
+def heading_of(course: float, airspeed: float, wind: tuple[float, float]) -> float:
+    """Heading, rad, that keeps a course (rad) in a wind (m/s along and to the right of the axis of both angles)."""
+    across = wind[1] * math.cos(course) - wind[0] * math.sin(course)
+    return course - math.asin(max(-1.0, min(across / airspeed, 1.0)))
