@@ -30,7 +30,7 @@ class SpeedTable:
     """An airspeed of the schedule, from a distance to the aiming point on."""
 
     distance: Annotated[float, "m"]
-    speed: Annotated[float, "m/s"]  # true airspeed
+    speed: Annotated[float, "m/s", "indicated"]  # true airspeed
 
     def __post_init__(self) -> None:
         _within(self, 0.0, FARTHEST, "m", "distance")
