@@ -73,13 +73,20 @@ class Vectored:
     held: tuple[tuple[float, Approach], ...] = dataclasses.field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        """Until the law takes over nothing descends or ends, and the schedule of speeds counts on the last heading."""
         speed, limit = self.approach.route.legs[-1].speed, self.approach.law.bank_limit
         since, held = 0.0, []
-        for vector in self.vectors:
+        for number, vector in enumerate(self.vectors):
+            flown = self.approach if number + 1 == len(self.vectors) else self._unscheduled
             law = HeldHeading(vector.heading, speed, limit)
-            held.append((since, dataclasses.replace(self.approach, law=law)))
+            held.append((since, dataclasses.replace(flown, law=law, landing=None)))
             since += vector.time
         object.__setattr__(self, "held", tuple(held))
+
+    @property
+    def _unscheduled(self) -> Approach:
+        """At its first speed: far from the final, the distance along it is not the way to go."""
+        return dataclasses.replace(self.approach, speeds=self.approach.speeds[:1])
 
     @property
     def route(self) -> Route:
@@ -105,24 +112,21 @@ class Vectored:
             flown = next(one for since, one in reversed(self.held) if state.time - s.began >= since)
         inner, command = flown.step(s.flown, state, dt)
         phase = inner.phase
-        if phase in TURNING or not engaged:
-            phase = CAPTURE if engaged else VECTORS
-        return VectoredState(phase, inner.leg, inner.finished, inner, s.began, captured), command
+        if not engaged:
+            return VectoredState(VECTORS, inner.leg, "", inner._replace(finished=""), s.began, captured), command
+        return VectoredState(
+            CAPTURE if phase in TURNING else phase, inner.leg, inner.finished, inner, s.began, captured
+        ), command
 
 
 def turns_in(law: Any, deviation: PathDeviation, heading: float) -> bool:
     """Whether a law would turn from an intercept heading (rad less the course) towards the course.
 
-    A law that is a sum of limited deviations is asked without its limits, k1 z + k2 z' changing its sign for law (4):
-    the line is then k2/k1 seconds away. With them, a law whose own intercept is shallower than the heading would bend
-    the path as far out as it is armed.
+    Law (4) does where k1 c1{z} + k2 c2{z'} has changed its sign: on a heading that is shallower than its own intercept
+    when the line is k2/k1 seconds away, on a steeper one at once, to fly its own.
     """
-    inputs = law.limits()
-    demand = -sum(one.gain * getattr(deviation, one.of) for one in inputs) if inputs else math.nan
-    if not math.isfinite(demand):
-        demand = float(law(deviation))
     side = math.copysign(1.0, heading)
-    return side * deviation.cross_track_rate > 0.0 and side * demand < 0.0
+    return bool(side * deviation.cross_track_rate > 0.0 and side * law(deviation) < 0.0)
 
 
 def way(

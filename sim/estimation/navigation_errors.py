@@ -14,6 +14,7 @@ from sim.scenario.tables import Runway
 
 STREAM = "navigation"
 BENT_EVERY = 0.05  # of the correlation length: so often a beam is drawn, and straight between
+ON_THE_PATH = 30.0  # m below the glide path, from where on it leads; farther below, a barometric height is held
 
 
 class Beam(NamedTuple):
@@ -47,6 +48,7 @@ class Sight(NamedTuple):
     glide_path: Beam
     cross_track: float  # m, of its filter
     wind: float  # m/s across the final, to the right, as it has worked it out
+    height_error: float  # m, of the height that it believes on the glide path
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,7 @@ class ErringNavigator:
 
     The filter is z' = u + w + 2 (m - z) / T, w' = (m - z) / T^2 for the measured cross-track m, the velocity u across
     the final through the air, by heading and airspeed, and the wind w; the rate that the autopilot believes is u + w.
+    On the glide path the height follows the beam with the lag T, its own rate being known. In level flight it is right.
     """
 
     errors: NavigationErrors
@@ -71,6 +74,7 @@ class ErringNavigator:
             self._beam("glide_path", self._to_aiming_point(past)),
             float(z),
             float(across) + wrong,
+            0.0,
         )
         return self._seen(sight, state, float(z))
 
@@ -84,24 +88,27 @@ class ErringNavigator:
         wrong = measured - sight.cross_track
         believed = sight.cross_track + (self._through_the_air(after) + sight.wind + 2.0 * wrong / time) * dt
         wind = sight.wind + wrong / (time * time) * dt
-        return self._seen(Sight(beam, sight.glide_path, believed, wind), after, float(z))
+        to_go = self._to_aiming_point(past)
+        path, bend = sight.glide_path.seen_at(to_go, self.errors.bend_length)
+        bent = to_go * self.errors.glide_path_bend * bend
+        if to_go * math.tan(self.runway.glide_path) > after.height + ON_THE_PATH:
+            bent = 0.0
+        height_error = sight.height_error + (bent - sight.height_error) / time * dt
+        return self._seen(Sight(beam, path, believed, wind, height_error), after, float(z))
 
     def _seen(self, sight: Sight, state: AircraftState, z: float) -> tuple[Sight, AircraftState]:
         """The state with the place and the velocity that the aircraft believes across the final, and its height."""
-        past, _ = self.runway.from_local(state.north, state.east)
         _, across = self.runway.from_local(state.velocity_north, state.velocity_east)
         north, east = self.runway.to_local(0.0, sight.cross_track - z)
         rate_north, rate_east = self.runway.to_local(0.0, self._through_the_air(state) + sight.wind - across)
-        distance = self._to_aiming_point(past)
-        beam, bend = sight.glide_path.seen_at(distance, self.errors.bend_length)
         seen = state._replace(
             north=state.north + float(north),
             east=state.east + float(east),
             velocity_north=state.velocity_north + float(rate_north),
             velocity_east=state.velocity_east + float(rate_east),
-            height=state.height + distance * self.errors.glide_path_bend * bend,
+            height=state.height + sight.height_error,
         )
-        return sight._replace(glide_path=beam), seen
+        return sight, seen
 
     def _through_the_air(self, state: AircraftState) -> float:
         """Velocity through the air to the right of the final, m/s, by heading and airspeed."""

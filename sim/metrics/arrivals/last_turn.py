@@ -18,7 +18,8 @@ from tracking.measurement import wrap
 WINDOW = 11  # s, of the lines that smooth the bank
 TURNING = math.radians(0.3)  # rad/s, of the turn rate averaged over 5 s: 2 deg of bank at 110 m/s
 AVERAGED = 5  # s
-LEAST_TURN = math.radians(8.0)  # rad, of the course; less is a correction
+LEAST_TURN = math.radians(8.0)  # rad, of the course ...
+LEAST_ANGLE = math.radians(15.0)  # rad, from the final course where it begins; less is a correction
 LARGEST_TURN = math.radians(115.0)
 SETTLED = 30.0  # m; the capture is over when the cross-track stays within it ...
 FINAL_AFTER = 20.0  # s; final begins so long after the end of the turn, or of the settling where that is later
@@ -47,8 +48,9 @@ class LastTurn(NamedTuple):
 def last_turn(flight: Flight) -> LastTurn | None:
     """The last turn onto the last leg of a flight, which it flies to its end; None where there is none below 115 deg.
 
-    The turn is the last stretch of at least 8 deg in which the turn rate, averaged over 5 s, exceeds 0.3 deg/s. Its
-    angle is that of the course to the final course at its beginning. Needs a position, a velocity and a height.
+    The turn is the last stretch of at least 8 deg in which the turn rate, averaged over 5 s, exceeds 0.3 deg/s, and
+    which begins at 15 deg or more to the final course, the angle of the turn.
+    Needs a position, a velocity and a height.
     """
     s, leg = flight.state, flight.route.legs[-1]
     ended = np.flatnonzero(flight.during("go_around"))
@@ -72,7 +74,7 @@ def last_turn(flight: Flight) -> LastTurn | None:
     rate = np.gradient(course)
     bank = np.arctan(speed * rate / STANDARD_GRAVITY)
     smooth, slope = _lines(bank)
-    found = _turn(course, rate)
+    found = _turn(wrap(course - leg.course), course, rate)
     if found is None:
         return None
     begin, over = found
@@ -100,11 +102,15 @@ def last_turn(flight: Flight) -> LastTurn | None:
     )
 
 
-def _turn(course: np.ndarray, rate: np.ndarray) -> tuple[int, int] | None:
+def _turn(error: np.ndarray, course: np.ndarray, rate: np.ndarray) -> tuple[int, int] | None:
     """First and last second of the last turn."""
     turning = np.abs(np.convolve(rate, np.full(AVERAGED, 1.0 / AVERAGED), "same")) > TURNING
     edges = np.flatnonzero(np.diff(np.concatenate(([False], turning, [False])).astype(int)))
-    turns = [(int(a), int(b) - 1) for a, b in edges.reshape(-1, 2) if abs(course[b - 1] - course[a]) >= LEAST_TURN]
+    turns = [
+        (int(first), int(after) - 1)
+        for first, after in edges.reshape(-1, 2)
+        if abs(course[after - 1] - course[first]) >= LEAST_TURN and abs(error[first]) >= LEAST_ANGLE
+    ]
     return turns[-1] if turns else None
 
 
