@@ -1,7 +1,7 @@
 """The last turn onto final of one flight, flown or recorded, from its position and velocity over the ground alone.
 
 All is worked out once a second, so that a flight of ours and one that a surveillance sensor saw are measured alike.
-The bank is that of the turn, atan(V course' / g). Its mean and its slope are those of the straight line through 11 s.
+The bank is that of the turn, atan(V course' / g); its slope is that of the straight line through 11 s.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from aircraft.state import STANDARD_GRAVITY
 from sim.flight.record import Flight
 from tracking.measurement import wrap
 
-WINDOW = 11  # s, of the lines that smooth the bank
+WINDOW = 11  # s, of the lines whose slope is the roll rate
 TURNING = math.radians(0.3)  # rad/s, of the turn rate averaged over 5 s: 2 deg of bank at 110 m/s
 AVERAGED = 5  # s
 LEAST_TURN = math.radians(8.0)  # rad, of the course ...
 LEAST_ANGLE = math.radians(15.0)  # rad, from the final course where it begins; less is a correction
 LARGEST_TURN = math.radians(115.0)
-SETTLED = 30.0  # m; the capture is over when the cross-track stays within it ...
+SETTLED = math.radians(3.0)  # rad, of the course to the final; the capture is over when it stays within
 FINAL_AFTER = 20.0  # s; final begins so long after the end of the turn, or of the settling where that is later
 FINAL_LEAST = 30.0  # s, of final; less says nothing
 LOWEST = 60.0  # m above the threshold; the flare and the de-crab are no part of it
@@ -40,9 +40,9 @@ class LastTurn(NamedTuple):
     bank: float  # rad, the largest of the turn
     duration: float  # s
     roll_rate: float  # rad/s, the largest slope of a line through 11 s of bank
-    settling: float  # s, from the end of the turn until the cross-track stays small
+    settling: float  # s, from the end of the turn until the course stays that of the final, within 3 deg
     cross_track_sd: float | None  # m, about its mean, on final
-    bank_rms: float | None  # rad, of the smoothed bank, on final
+    bank_rms: float | None  # rad, on final
 
 
 def last_turn(flight: Flight) -> LastTurn | None:
@@ -73,16 +73,17 @@ def last_turn(flight: Flight) -> LastTurn | None:
     z = (east - leg.end[1]) * along_north - (north - leg.end[0]) * along_east
     rate = np.gradient(course)
     bank = np.arctan(speed * rate / STANDARD_GRAVITY)
-    smooth, slope = _lines(bank)
-    found = _turn(wrap(course - leg.course), course, rate)
+    slope = _slopes(bank)
+    error = np.asarray(wrap(course - leg.course))
+    found = _turn(error, course, rate)
     if found is None:
         return None
     begin, over = found
-    angle = abs(float(wrap(course[begin] - leg.course)))
+    angle = abs(float(error[begin]))
     if not angle < LARGEST_TURN:
         return None
     side = np.sign(z[begin])
-    beyond = np.flatnonzero(np.abs(z[begin:]) > SETTLED)
+    beyond = np.flatnonzero(np.abs(error[begin:]) > SETTLED)
     settled = begin + (int(beyond[-1]) + 1 if beyond.size else 0)
     final = slice(int(max(over, min(settled, over + UNSETTLED)) + FINAL_AFTER), None)
     enough = len(z[final]) >= FINAL_LEAST
@@ -98,7 +99,7 @@ def last_turn(flight: Flight) -> LastTurn | None:
         float(np.abs(slope[max(begin - WINDOW, 0) : over + WINDOW]).max()),
         float(min(settled - over, UNSETTLED)),
         float(np.std(z[final])) if enough else None,
-        float(np.sqrt(np.mean(smooth[final] ** 2))) if enough else None,
+        float(np.sqrt(np.mean(bank[final] ** 2))) if enough else None,
     )
 
 
@@ -114,10 +115,9 @@ def _turn(error: np.ndarray, course: np.ndarray, rate: np.ndarray) -> tuple[int,
     return turns[-1] if turns else None
 
 
-def _lines(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Value and slope, per s, of the least-squares line through the window about each second."""
+def _slopes(values: np.ndarray) -> np.ndarray:
+    """Slope, per s, of the least-squares line through the window about each second."""
     half = WINDOW // 2
     away = np.arange(-half, half + 1)
-    padded = np.pad(values, half, mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, WINDOW)
-    return windows.mean(axis=1), windows @ away / float(away @ away)
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, half, mode="edge"), WINDOW)
+    return np.asarray(windows @ away / float(away @ away))
