@@ -52,6 +52,23 @@ def planned(scenario: Scenario, table: VectoredTable) -> tuple[np.ndarray, np.nd
     return np.asarray(north), np.asarray(east)
 
 
+def planned_of(scenario: Scenario) -> tuple[np.ndarray, np.ndarray] | None:
+    """`planned` of a scenario; None where nothing is vectored."""
+    return planned(scenario, scenario.route) if isinstance(scenario.route, VectoredTable) else None
+
+
+def in_words(scenario: Scenario, table: VectoredTable) -> list[tuple[str, ...]]:
+    """(from s on, course deg, heading deg, angle to the final deg) of every vector."""
+    rows: list[tuple[str, ...]] = []
+    since = 0.0
+    runway = scenario.runway.heading
+    for (course, time), vector in zip(table.courses, vectors(scenario, table), strict=True):
+        told = [math.degrees(runway + angle) % 360.0 for angle in (course, vector.heading)]
+        rows.append((f"{since:.0f}", *(f"{angle:.1f}" for angle in told), f"{math.degrees(abs(course)):.1f}"))
+        since += time
+    return rows
+
+
 def begins(scenario: Scenario, table: VectoredTable) -> tuple[float, float, float]:
     """North and east, m, and course, rad, where the first heading is given."""
     north, east = planned(scenario, table)

@@ -27,11 +27,12 @@ def plan_view(
     wind: tuple[float, float],
     events: Mapping[str, Any] | None = None,
     sensors: Mapping[str, Any] | None = None,
+    vectors: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> Any:
     """Figure with equal axes, in km from the threshold along and to the right of the final course.
 
     ``wind`` is the steady one, the way the air moves, m/s (north, east); ``events`` and ``sensors`` are drawn by their
-    outlines.
+    outlines, ``vectors`` (north and east, m) are the way on which headings were to lead to the route.
     """
     course = flight.route.legs[-1].course
     c, s = math.cos(course), math.sin(course)
@@ -61,6 +62,8 @@ def plan_view(
         markersize=5,
         label="point of the route",
     )
+    if vectors is not None:
+        axes.plot(*turned(*vectors), color=style.GREY, linewidth=0.8, dashes=(1, 2), zorder=1.5, label="vectors")
     if shown:
         axes.plot(runway_x, runway_y, color=style.BLACK, linewidth=4, solid_capstyle="butt", alpha=0.75, label="runway")
     for name, event in (events or {}).items():
