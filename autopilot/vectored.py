@@ -130,20 +130,24 @@ def turns_in(law: Any, deviation: PathDeviation, heading: float) -> bool:
 
 
 def way(
-    vectors: Sequence[Vector], airspeed: float, bank_limit: float, wind: tuple[float, float]
+    vectors: Sequence[Vector], airspeed: float, bank_limit: float, roll_rate_limit: float, wind: tuple[float, float]
 ) -> tuple[list[float], list[float]]:
     """The way over the ground, m along and to the right of the final course, while the vectors are flown.
 
-    It begins at (0, 0) on the first heading; each other one is turned to at the bank limit, at one airspeed (m/s).
+    It begins at (0, 0) on the first heading; each other one is turned to as `HeldHeading` does, at one airspeed (m/s),
+    with a bank that is there after half the time that it takes to roll to its limit.
     ``wind`` is the way the air moves, m/s along and to the right.
     """
     heading, along, across = vectors[0].heading, [0.0], [0.0]
     most = STANDARD_GRAVITY * math.tan(bank_limit) / airspeed
+    rolled = bank_limit / (2.0 * roll_rate_limit)
     for vector in vectors:
         steps = math.ceil(vector.time / PLAN_STEP)
         dt = vector.time / steps
-        for _ in range(steps):
-            heading += saturate(math.remainder(vector.heading - heading, math.tau), most * dt)
+        for step in range(steps):
+            error = math.remainder(vector.heading - heading, math.tau)
+            if step * dt >= rolled:
+                heading += saturate(error / HEADING_TIME, most) * dt
             along.append(along[-1] + (airspeed * math.cos(heading) + wind[0]) * dt)
             across.append(across[-1] + (airspeed * math.sin(heading) + wind[1]) * dt)
     return along, across

@@ -83,7 +83,7 @@ class ErringNavigator:
         past, z = self.runway.from_local(after.north, after.east)
         distance = self._to_antenna(past)
         beam, bend = sight.localiser.seen_at(distance, self.errors.bend_length)
-        measured = float(z) + distance * (self.errors.localiser_bias + self.errors.localiser_bend * bend)
+        measured = float(z) - distance * (self.errors.localiser_bias + self.errors.localiser_bend * bend)
         dt, time = after.time - before.time, self.errors.smoothing
         wrong = measured - sight.cross_track
         believed = sight.cross_track + (self._through_the_air(after) + sight.wind + 2.0 * wrong / time) * dt

@@ -234,7 +234,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         )
     if navigation != "truth" and tables.get("navigation_errors") is not None:
         faults.append(
-            "[navigation_errors] errors of the autopilot's own navigation: a tracker that navigates has its own"
+            '[navigation_errors] belongs to navigation = "truth": a tracker that navigates has its own errors'
         )
     if faults:
         raise ScenarioError(report_faults(origin, faults))

@@ -41,7 +41,8 @@ def vectors(scenario: Scenario, table: VectoredTable) -> tuple[Vector, ...]:
 
 def way_of(scenario: Scenario, table: VectoredTable) -> Any:
     """(2, n) m along and to the right of the final course: the way of the vectors from where they begin."""
-    return np.array(way(vectors(scenario, table), table.speed, scenario.autopilot.bank_limit, _wind(scenario, table)))
+    pilot, wind = scenario.autopilot, _wind(scenario, table)
+    return np.array(way(vectors(scenario, table), table.speed, pilot.bank_limit, pilot.roll_rate_limit, wind))
 
 
 def planned(scenario: Scenario, table: VectoredTable) -> tuple[np.ndarray, np.ndarray]:

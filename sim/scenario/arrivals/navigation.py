@@ -25,7 +25,7 @@ class NavigationErrors:
     """
 
     localiser_bend: Annotated[float, "rad"] = 0.0  # standard deviation
-    localiser_bias: Annotated[float, "rad"] = 0.0  # of the course line, + to the right of it as the aircraft flies it
+    localiser_bias: Annotated[float, "rad"] = 0.0  # of the course line, + to the right of an approach
     glide_path_bend: Annotated[float, "rad"] = 0.0  # standard deviation
     bend_length: Annotated[float, "m"] = 1000.0  # of correlation
     smoothing: Annotated[float, "s"] = 10.0  # time constant of the complementary filter
