@@ -19,6 +19,7 @@ from autopilot.departure import Departing
 from autopilot.route import PathDeviation, Route
 from autopilot.saturation import saturate
 
+ON_HEADING = math.radians(5.0)  # from a heading, within which it is held
 HEADING_TIME = 8.0  # s, in which a heading error fades: slow beside the bank loop, quick beside a vector
 PLAN_STEP = 0.5  # s
 
@@ -103,7 +104,7 @@ class Vectored:
         if (
             math.isinf(captured)
             and state.time - s.began >= self.held[-1][0]
-            and turns_in(self.approach.law, self.approach.deviation(s.leg, state), self.vectors[-1].heading)
+            and captures(self.approach.law, self.approach.deviation(s.leg, state), self.vectors[-1].heading)
         ):
             captured = state.time
         engaged = state.time >= captured + self.late
@@ -119,14 +120,20 @@ class Vectored:
         ), command
 
 
-def turns_in(law: Any, deviation: PathDeviation, heading: float) -> bool:
-    """Whether a law would turn from an intercept heading (rad less the course) towards the course.
+def captures(law: Any, deviation: PathDeviation, heading: float) -> bool:
+    """Whether a law that is armed on a heading (rad less the course) turns in: its bank leads towards the course.
 
-    Law (4) does where k1 c1{z} + k2 c2{z'} has changed its sign: on a heading that is shallower than its own intercept
-    when the line is k2/k1 seconds away, on a steeper one at once, to fly its own.
+    Law (4) turns in where k1 c1{z} + k2 c2{z'} has changed its sign: on a heading that is shallower than its own
+    intercept when the line is k2/k1 seconds away, on a steeper one at once, to fly its own. As long as the aircraft
+    still turns to the heading, the law waits until its cross-track limit is reached: only there does it see the line.
     """
     side = math.copysign(1.0, heading)
-    return bool(side * deviation.cross_track_rate > 0.0 and side * law(deviation) < 0.0)
+    if not (side * deviation.cross_track_rate > 0.0 and side * law(deviation) < 0.0):
+        return False
+    if abs(math.remainder(heading - deviation.heading_error, math.tau)) < ON_HEADING:
+        return True
+    limit = next((one.limit for one in law.limits() if one.of == "cross_track"), math.inf)
+    return bool(abs(deviation.cross_track) < limit)
 
 
 def way(
