@@ -32,12 +32,11 @@ def begun(flight, phase):
     return next(event.time for event in flight.events if event.name == phase)
 
 
-@pytest.mark.parametrize("wind", [{}, {"headwind_mps": 6.0, "crosswind_mps": 8.0}])
-@pytest.mark.parametrize("side", ["left", "right"])
-def test_the_last_heading_meets_the_extended_centreline_where_it_was_planned(wind, side):
+@pytest.mark.parametrize(("side", "wind"), [("left", {}), ("right", {"headwind_mps": 6.0, "crosswind_mps": 8.0})])
+def test_the_last_heading_meets_the_extended_centreline_where_it_was_planned(side, wind):
     """On two vectors, with a law that comes too late."""
     vectors = [{"angle_deg": 90, "for_s": 50}]
-    changes = {"route.vectors": vectors, "route.arm_late_s": 100, "route.side": side, "wind": wind}
+    changes = {"route.vectors": vectors, "route.arm_late_s": 100, "route.side": side, "wind": wind, "until_s": 120.0}
     scenario, _, flight = flown(**changes)
     z = flight.deviation.cross_track
     crossed = int(np.flatnonzero(np.sign(z) != np.sign(z[0]))[0])
@@ -64,7 +63,7 @@ def test_a_law_whose_own_intercept_is_shallower_flies_it_at_once():
     assert flight.deviation.cross_track_rate[-1] == pytest.approx(15.0, rel=0.05)
 
 
-@pytest.mark.parametrize("damping", [0.4, 0.55, 0.7])
+@pytest.mark.parametrize("damping", [0.4, 0.7])
 def test_the_overshoot_is_that_of_the_linear_law(damping):
     """From the balance k1 z + k2 z' = 0 on, z'' is the impulse response of z', so the overshoot has a closed form.
 
@@ -79,7 +78,7 @@ def test_the_overshoot_is_that_of_the_linear_law(damping):
 
 
 def test_the_other_side_is_the_mirror_image():
-    left, right = (flown(**{"route.intercept_angle_deg": angle})[2] for angle in (30.0, -30.0))
+    left, right = (flown(**{"route.intercept_angle_deg": angle, "until_s": 70.0})[2] for angle in (30.0, -30.0))
     np.testing.assert_allclose(left.deviation.cross_track, -right.deviation.cross_track, atol=1e-6)
 
 
