@@ -38,7 +38,7 @@ Data
     - ``mode`` - the kind of law that flies, ``modes`` - the classes of all laws that are named; ``law`` - what the file
       sets of it; ``designed`` - gains it brings along; ``parts`` - kinds from outside that are named
     - ``sensors``, ``trackers`` - by name; ``departures`` from the law, ``sensor_faults``; ``contrasts`` of trackers;
-      ``checks``; ``study``
+      ``checks``; ``study``; ``navigation_errors`` of the autopilot, or None
     - ``tables`` - the resolved file itself, in its own spelling
 - `Prepared` - all that one flight needs, built once (sim.flight.preparation)
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state
