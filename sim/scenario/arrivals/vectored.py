@@ -11,6 +11,7 @@ from sim.scenario.tables import FARTHEST, FASTEST, HIGHEST_FLIGHT, _within
 
 LONGEST_VECTOR = 900.0  # s
 LATEST = 120.0  # s
+MOST = 20  # vectors, and speeds of a schedule
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,9 @@ class VectoredTable:
         _within(self, 0.0, 100.0, "m/s2", "deceleration", "glide_deceleration")
         _within(self, 0.0, LONGEST_VECTOR, "s", "last_vector")
         _within(self, 0.0, LATEST, "s", "arm_late")
+        for several in ("vectors", "speeds"):
+            if len(getattr(self, several)) > MOST:
+                raise ValueError(f"{several}: {len(getattr(self, several))} are more than the {MOST} of one approach")
         if any(a.distance <= b.distance for a, b in itertools.pairwise(self.speeds)):
             raise ValueError("speeds: the distances of the schedule must fall")
         schedule = [self.speed, *(one.speed for one in self.speeds)]

@@ -136,6 +136,7 @@ def test_explain_tells_the_vectors_and_what_errs():
         ),
         ({"route.speeds": [{"distance_m": 20000, "speed_mps": 40}]}, "raise 'speed' and its schedule"),
         ({"route.vectors": [{"angle_deg": 200, "for_s": 5}]}, "angle must lie within"),
+        ({"route.vectors": [{"angle_deg": 90, "for_s": 5}] * 21}, "vectors: 21 are more than the 20"),
         ({"autopilot.law": {"k1_deg_per_m": 0.05, "k2_deg_per_mps": 0.9}}, "'damping' sets k2"),
         ({"start.phase": "final"}, "'phase' belongs to a pattern"),
         ({"navigation_errors": {"smoothing_s": 0}}, r"\[navigation_errors\] smoothing must lie within"),
