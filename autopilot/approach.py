@@ -16,8 +16,11 @@ from autopilot.stabilised_gate import FRESH, GateState
 PHASES = (
     *("intercept", "downwind", "base_turn", "base", "final_turn", "final", "glide", "flare", "ground", "go_around"),
     "rollout",  # flown by ``autopilot.rollout``
+    *("vectors", "capture"),  # flown by ``autopilot.vectored``
 )
-INTERCEPT, DOWNWIND, BASE_TURN, BASE, FINAL_TURN, FINAL, GLIDE, FLARE, GROUND, GO_AROUND, _ = range(len(PHASES))
+INTERCEPT, DOWNWIND, BASE_TURN, BASE, FINAL_TURN, FINAL, GLIDE, FLARE, GROUND, GO_AROUND, _, VECTORS, CAPTURE = range(
+    len(PHASES)
+)
 
 LEG_PHASE = (FINAL, BASE)  # of the last leg and the last but one; all before are downwind
 TURN_PHASE = (FINAL_TURN, BASE_TURN)  # onto them; onto all before: intercept
@@ -75,6 +78,8 @@ class Approach:
     level_change_angle: Annotated[float, "rad"] = math.radians(2.5)
     allow_orbit: bool = False
     offset: Annotated[float, "given"] = math.inf  # m, the largest distance from which a leg is approached
+    bank_lag: Annotated[float, "s"] = 0.0  # in which the bank command follows the law's, beside the roll-rate limit
+    speeds: Annotated[tuple[tuple[float, float], ...], "given"] = ()  # m to go on the last leg, and the m/s from there
     _reach: tuple[float, ...] = field(
         init=False, repr=False, compare=False
     )  # m to go, where turns are first thought of
@@ -180,6 +185,8 @@ class Approach:
             wanted_bank, sideslip, crab, aligned = self._aligned(
                 phase, wanted_bank, crab, aligned, state, deviation, dt
             )
+        if self.bank_lag > dt:
+            wanted_bank = bank + (wanted_bank - bank) * dt / self.bank_lag
         bank = rate_limit(bank, wanted_bank, self.roll_rate_limit, dt)
         return (
             pack(
@@ -264,6 +271,9 @@ class Approach:
         landing, deceleration = self.landing, self.deceleration
         flaps, gear = self.flaps, self.gear
         wanted = self.route.legs[leg + 1 if distance < self._slow[leg] else leg].speed
+        for begins, speed in self.speeds:
+            if distance <= begins:
+                wanted = speed
         if landing is None or phase <= FINAL:
             if airspeed == wanted:
                 return airspeed, flaps, gear

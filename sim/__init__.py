@@ -41,7 +41,7 @@ Data
       sets of it; ``designed`` - gains it brings along; ``parts`` - kinds from outside that are named
     - ``record`` - the table of a flight that was flown elsewhere, or None (sim.scenario.recording.table)
     - ``sensors``, ``trackers`` - by name; ``departures`` from the law, ``sensor_faults``; ``contrasts`` of trackers;
-      ``checks``; ``study``
+      ``checks``; ``study``; ``navigation_errors`` of the autopilot, or None
     - ``tables`` - the resolved file itself, in its own spelling
 - `Prepared` - all that one flight needs, built once (sim.flight.preparation)
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state

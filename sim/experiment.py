@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sim.errors import ScenarioError
 from sim.estimation import assumed_height
+from sim.estimation.navigation_errors import erring_navigator
 from sim.estimation.navigator import navigator
 from sim.estimation.setup import check, height_profile
 from sim.estimation.tracking_run import Tracked, track
@@ -88,7 +89,7 @@ def _fly(prepared: Prepared, number: int) -> Flight:
             prepared.wind(number),
             prepared.limits,
             prepared.phases,
-            navigator(prepared, number),
+            navigator(prepared, number) or erring_navigator(prepared, number),
             prepared.gate_height,
         )
     except Exception as error:

@@ -15,6 +15,7 @@ from autopilot.route_loop import linear_onset, margins
 from sim.cli.terminal import table
 from sim.estimation.setup import check, told
 from sim.flight import swings
+from sim.flight.arrivals import vectoring
 from sim.flight.departures import in_words
 from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared, prepare
 from sim.flight.record import Flight, runs
@@ -22,6 +23,7 @@ from sim.flight.weather import words
 from sim.interchange.clocks import in_words as clock_words
 from sim.metrics import windshear
 from sim.observation import faults
+from sim.scenario.arrivals.vectored import VectoredTable
 from sim.scenario.model import Scenario
 from sim.scenario.tables import Check
 from sim.workers.isolation import run_isolated
@@ -31,7 +33,7 @@ def explain(scenario: Scenario) -> str:
     """The text of ``shortfinal explain``; raises ``ScenarioError`` for what cannot be flown."""
     prepared = prepare(scenario)
     check(prepared)
-    parts = [_head(prepared), _route(prepared)]
+    parts = [_head(prepared), _route(prepared), *_vectors(prepared), *_navigation(prepared)]
     if prepared.recording is not None:
         parts.append(_recording(prepared.recording))
     elif scenario.aircraft.model != "point_mass":
@@ -119,6 +121,34 @@ def _route(prepared: Prepared) -> str:
         shown = air.altimeter(level) - air.altimeter(0.0)
         end += f"\nheights are true: {level:.0f} m above the threshold, where an altimeter shows {shown:.0f} m"
     return "\n".join(table(rows, 0)) + end
+
+
+def _vectors(prepared: Prepared) -> list[str]:
+    """The headings that are given, where a route is vectored, and what the law and the speeds do then."""
+    scenario, route = prepared.scenario, prepared.scenario.route
+    if not isinstance(route, VectoredTable):
+        return []
+    rows = [("vector from s on", "course deg", "heading deg", "to the final deg"), *vectoring.in_words(scenario, route)]
+    speeds = ", ".join(f"{speed:.1f} m/s {where}" for where, speed, _ in route.levels)
+    return [
+        "\n".join(table(rows, 0))
+        + f"\nfrom the {'left' if route.sign > 0.0 else 'right'}; the last heading is to meet the extended centreline "
+        f"{vectoring.met(scenario, route):.0f} m before the aiming point, {route.last_vector:.0f} s after it is given; "
+        f"the law takes over {route.arm_late:.1f} s after it would turn in\ntrue airspeed: {speeds}"
+    ]
+
+
+def _navigation(prepared: Prepared) -> list[str]:
+    """What the autopilot's own navigation errs by."""
+    errors = prepared.scenario.navigation_errors
+    if errors is None:
+        return []
+    bends = [f"{math.degrees(bend):.3f} deg" for bend in (errors.localiser_bend, errors.glide_path_bend)]
+    return [
+        f"navigation errs: localiser {bends[0]} and glide path {bends[1]} rms over {errors.bend_length:.0f} m, course "
+        f"line {math.degrees(errors.localiser_bias):+.3f} deg, wind {errors.wind:.1f} m/s at first; smoothed in "
+        f"{errors.smoothing:.1f} s"
+    ]
 
 
 def _aircraft(prepared: Prepared) -> str:

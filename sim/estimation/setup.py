@@ -217,7 +217,7 @@ def assumed_law(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
 
 
 def charted_route(prepared: Prepared) -> Any:
-    """The route with the speeds that its chart shows: of each leg, and of the glide path where the last leg has one.
+    """The route with the speeds that its chart shows: of each leg, of its schedule, and of a glide path.
 
     A recording for which no route is told has a final without speeds.
     """
@@ -226,8 +226,9 @@ def charted_route(prepared: Prepared) -> Any:
         return route
     last = len(route.legs) - 1
     # the glide path begins where it leaves the height of the leg
+    scheduled = tuple((last, begins, speed) for begins, speed in prepared.autopilot.speeds)
     glide = () if landing is None else ((last, route.legs[last].height / landing.slope, landing.approach_speed),)
-    return dataclasses.replace(route, chart=glide)
+    return dataclasses.replace(route, chart=(*scheduled, *glide))
 
 
 def height_profile(prepared: Prepared) -> HeightProfile:

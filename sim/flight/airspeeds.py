@@ -9,7 +9,7 @@ from autopilot.approach import Approach
 from autopilot.design import SCHEDULED, Designed
 from autopilot.landing import REFERENCE_MARGIN
 from sim.scenario.model import Scenario
-from sim.scenario.tables import PatternTable
+from sim.scenario.tables import LegsTable
 
 MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
 REFERENCE_ADDITION = 2.5  # m/s over the reference speed, at least
@@ -18,15 +18,8 @@ NEGLECTED = 0.005  # of an airspeed: what an indicator may show more than the eq
 
 def level_speeds(scenario: Scenario) -> list[tuple[str, float, float]]:
     """(where, true, equivalent) airspeed of everything flown before a glide path, m/s, in the order of the route."""
-    table, air = scenario.route, scenario.air
-    if isinstance(table, PatternTable):
-        share = air.equivalent_share(table.height)
-        speeds = (("downwind", table.downwind_speed), ("the turn to final", table.turn_speed))
-        return [(where, speed, share * speed) for where, speed in speeds]
-    return [
-        (f"leg {number}", leg.speed, leg.speed * air.equivalent_share(leg.height))
-        for number, leg in enumerate(table.legs)
-    ]
+    share = scenario.air.equivalent_share
+    return [(where, speed, speed * share(height)) for where, speed, height in scenario.route.levels]
 
 
 def least_approach_speed(aircraft: AircraftData, flaps: float, mass: float) -> float:
@@ -56,7 +49,7 @@ def remarks(scenario: Scenario, approach: Approach, aircraft: AircraftData, gain
         if equivalent < (1.0 - 1e-9) * MANOEUVRE_MARGIN * stall
     ]
     told += _above_placard(aircraft, approach.flaps, max(equivalent for _, _, equivalent in speeds))
-    if landing is None or not isinstance(scenario.route, PatternTable):
+    if landing is None or isinstance(scenario.route, LegsTable):
         return told
     asked, flown = scenario.route.approach_speed, landing.approach_speed
     if flown > asked:
@@ -96,8 +89,7 @@ def _above_placard(aircraft: AircraftData, flaps: float, speed: float) -> list[s
 
 def _beyond_the_model(scenario: Scenario, speeds: list[tuple[str, float, float]]) -> list[str]:
     """Where indicated airspeeds are not equivalent ones any more."""
-    table = scenario.route
-    height = table.height if isinstance(table, PatternTable) else max(leg.height for leg in table.legs)
+    height = max(height for _, _, height in scenario.route.levels)
     fastest = max(true for _, true, _ in speeds)
     more = float(scenario.air.compressibility(fastest, height))
     if more < NEGLECTED:

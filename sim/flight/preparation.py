@@ -17,6 +17,7 @@ from aircraft.point_mass import PointMass
 from aircraft.properties import FOOT
 from aircraft.runway import Runway as Place
 from aircraft.slowest import complete
+from aircraft.state import STANDARD_GRAVITY
 from autopilot.approach import PHASES, Approach
 from autopilot.departure import Departing
 from autopilot.design import Designed, law_of_frequency
@@ -28,6 +29,7 @@ from autopilot.route import Leg, Route, pattern_route
 from autopilot.route_loop import RouteLoop, lag_loop
 from autopilot.stabilised_gate import StabilisedGate
 from autopilot.swing_margin import shallower
+from autopilot.vectored import Vectored
 from sim.errors import ScenarioError, did_you_mean
 from sim.flight import departures, swings
 from sim.flight.airspeeds import (
@@ -38,6 +40,7 @@ from sim.flight.airspeeds import (
     level_speeds,
     remarks,
 )
+from sim.flight.arrivals import vectoring
 from sim.flight.gains import Gains, gains_for, plain
 from sim.flight.outcomes import Limits
 from sim.flight.record import Flight
@@ -57,11 +60,12 @@ from sim.flight.vehicles import (
 from sim.flight.weather import air
 from sim.randomness import Streams
 from sim.scenario import catalogue
+from sim.scenario.arrivals.vectored import VectoredTable
 from sim.scenario.messages import at
 from sim.scenario.model import Scenario
 from sim.scenario.plugins import BUNDLED, is_outside, said
 from sim.scenario.recording.table import RecordTable
-from sim.scenario.tables import STARTS, PatternTable
+from sim.scenario.tables import STARTS, LegsTable, PatternTable
 from sim.workers.isolation import run_isolated
 
 MODEL_TIME_LIMIT = 120.0  # s; an aircraft that is not ours may never trim
@@ -90,9 +94,13 @@ class Prepared:
         return None if self.recording is not None else self.gains.to_table()
 
     @property
-    def controller(self) -> Approach | Departing:
-        """The autopilot, and from the stated departure times on what is flown instead of it."""
-        return departures.controller(self.autopilot, self.law_called, self.scenario.departures)
+    def controller(self) -> Approach | Departing | Vectored:
+        """The autopilot, and from the stated departure times on what is flown instead of it; vectors before it."""
+        flown = departures.controller(self.autopilot, self.law_called, self.scenario.departures)
+        table = self.scenario.route
+        if isinstance(table, VectoredTable):
+            return vectoring.vectored(self.scenario, table, self.autopilot, flown)
+        return flown
 
     @property
     def departure(self) -> float | None:
@@ -247,7 +255,7 @@ def _prepared(scenario: Scenario) -> Prepared:
     with place("[aircraft]"):
         found = _gains(scenario, route, flaps, landing)
         gains = found.designed
-        turn_speed, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
+        turn_speed, fastest = _extremes(scenario)
         if len(route.legs) > 1:
             gains = shallower(gains, fastest, turn_speed - math.hypot(*route.wind))
         lead = gains.time_to_roll(turn_speed, scenario.autopilot.roll_rate_limit)
@@ -267,7 +275,9 @@ def _prepared(scenario: Scenario) -> Prepared:
                 **_decelerations(scenario),
                 flaps=flaps,
                 allow_orbit=scenario.autopilot.allow_orbit,
-                offset=abs(scenario.start.cross_track) if len(route.legs) == 1 else math.inf,
+                offset=_offset(scenario, route),
+                bank_lag=scenario.autopilot.bank_lag,
+                speeds=vectoring.schedule(scenario.route) if isinstance(scenario.route, VectoredTable) else (),
             )
         except ValueError as error:
             if law != gains.law or scenario.autopilot.estimate_lag > 0.0:  # slow for another reason
@@ -298,7 +308,7 @@ def _prepared(scenario: Scenario) -> Prepared:
 def _decelerations(scenario: Scenario) -> dict[str, float]:
     """How fast the pattern lets the speed fall, before and on the glide path."""
     table = scenario.route
-    if not isinstance(table, PatternTable):
+    if isinstance(table, LegsTable):
         return {}
     on_glide_path = table.deceleration if table.glide_deceleration is None else table.glide_deceleration
     return {"deceleration": table.deceleration, "glide_deceleration": on_glide_path}
@@ -329,7 +339,7 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
     slowest = min(equivalent for _, _, equivalent in level_speeds(scenario))
     enough = [s.flaps for s in settings if MANOEUVRE_MARGIN * aircraft.stall_speed(s.flaps, mass) <= slowest]
     flaps = enough[0] if enough else settings[-1].flaps if settings else 0.0
-    if not isinstance(table, PatternTable):
+    if isinstance(table, LegsTable):
         return flaps, None
     full = settings[-1].flaps if settings else 0.0
     speed = table.approach_speed
@@ -356,8 +366,17 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
 
 def _route(scenario: Scenario, landing: Landing | None) -> Route:
     table, runway = scenario.route, scenario.runway
-    level = table.height if isinstance(table, PatternTable) else max(leg.height for leg in table.legs)
-    wind = scenario.wind.at(level)  # the turns are flown there
+    wind = scenario.wind.at(max(height for _, _, height in table.levels))  # the turns are flown there
+    if isinstance(table, VectoredTable):
+        assert landing is not None
+        slowest = _extremes(scenario)[0]
+        if slowest < landing.approach_speed:
+            raise ValueError(
+                f"speeds must fall along the route, but {slowest:.1f} m/s true are flown before the glide path and "
+                f"{landing.approach_speed:.1f} on it; the approach has at least {REFERENCE_MARGIN} of the stall speed "
+                f"and {REFERENCE_ADDITION} m/s as indicated: raise 'speed' and its schedule"
+            )
+        return vectoring.final(scenario, table)
     if isinstance(table, PatternTable):
         assert landing is not None
         if not table.downwind_speed >= table.turn_speed >= landing.approach_speed:
@@ -392,7 +411,7 @@ def _gains(scenario: Scenario, route: Route, flaps: float, landing: Landing | No
     The inputs are the very arguments of the design, the model by its content: whatever else a design comes to depend on
     becomes an argument of it, and is then noticed when it changes.
     """
-    slowest, fastest = min(leg.speed for leg in route.legs), max(leg.speed for leg in route.legs)
+    slowest, fastest = _extremes(scenario)
     limits = {"bank_limit": scenario.autopilot.bank_limit, "roll_rate_limit": scenario.autopilot.roll_rate_limit}
     arguments: dict[str, Any] = {"speed": fastest, **limits}
     design: Callable[..., Designed] = designed_point_mass
@@ -416,6 +435,22 @@ def _gains(scenario: Scenario, route: Route, flaps: float, landing: Landing | No
     return gains_for(scenario.designed, inputs, lambda: softened(design(**arguments), fastest, lag))
 
 
+def _extremes(scenario: Scenario) -> tuple[float, float]:
+    """The slowest and the fastest airspeed before a glide path, m/s."""
+    speeds = [speed for _, speed, _ in scenario.route.levels]
+    return min(speeds), max(speeds)
+
+
+def _offset(scenario: Scenario, route: Route) -> float:
+    """The largest distance, m, from which a leg is approached under the law.
+
+    The law of a vectored approach captures where it turns in already: there is nothing from which it could orbit.
+    """
+    if isinstance(scenario.route, VectoredTable):
+        return 0.0
+    return abs(scenario.start.cross_track) if len(route.legs) == 1 else math.inf
+
+
 def _loop(scenario: Scenario, gains: Designed, leg: Leg, flaps: float) -> RouteLoop:
     """The loop that the gains close on a leg."""
     if scenario.aircraft.model == "point_mass":
@@ -425,10 +460,15 @@ def _loop(scenario: Scenario, gains: Designed, leg: Leg, flaps: float) -> RouteL
 
 def _case(scenario: Scenario, gains: Designed, route: Route) -> DesignCase:
     """What a law is designed for: the route law of the design, or that of the frequency which the file sets."""
-    bank_limit, speed = scenario.autopilot.bank_limit, max(leg.speed for leg in route.legs)
-    share = scenario.autopilot.frequency_share
+    pilot, (_, speed) = scenario.autopilot, _extremes(scenario)
+    bank_limit, share = pilot.bank_limit, pilot.frequency_share
     base = gains.law if share is None else law_of_frequency(share * gains.bank_bandwidth, speed, bank_limit)
-    return DesignCase(bank_limit, gains.bank_bandwidth, speed, base.k1, base.k2, base.cross_track_limit)
+    k1 = scenario.law.get("k1", base.k1)
+    k2 = scenario.law.get(
+        "k2", base.k2 if pilot.damping is None else 2.0 * pilot.damping * math.sqrt(k1 / STANDARD_GRAVITY)
+    )
+    limit = base.cross_track_limit if pilot.intercept_speed is None else pilot.intercept_speed * k2 / k1
+    return DesignCase(bank_limit, gains.bank_bandwidth, speed, k1, k2, limit)
 
 
 def _law(scenario: Scenario, case: DesignCase) -> Mode:
@@ -441,17 +481,20 @@ def _law(scenario: Scenario, case: DesignCase) -> Mode:
         if not is_outside(mode) or isinstance(error, ValueError):
             raise
         raise ValueError(f"kind '{scenario.mode}' cannot be designed: {said(error)}") from None
-    if scenario.autopilot.frequency_share is not None:
-        flown = LateralNavigation.of(law)
-        if flown is None or (flown.k1, flown.k2) != (case.k1, case.k2):
-            raise ValueError("'frequency_share' sets k1 and k2 of the route law: leave them out, or leave it out")
+    flown = LateralNavigation.of(law)
+    if scenario.autopilot.frequency_share is not None and (
+        {"k1", "k2"} & {*scenario.law} or flown is None or (flown.k1, flown.k2) != (case.k1, case.k2)
+    ):
+        raise ValueError("'frequency_share' sets k1 and k2 of the route law: leave them out, or leave it out")
+    for key, field, name in (("damping", "k2", "k2"), ("intercept_speed", "cross_track_limit", "z_max")):
+        if getattr(scenario.autopilot, key) is not None and (field in scenario.law or flown is None):
+            raise ValueError(f"'{key}' sets {name} of the route law: leave one of them out")
     return law
 
 
 def _initial(scenario: Scenario, route: Route, flaps: float, landing: Landing | None) -> Initial:
     start = scenario.start
-    pattern = isinstance(scenario.route, PatternTable)
-    if start.phase is not None and not pattern:
+    if start.phase is not None and not isinstance(scenario.route, PatternTable):
         raise ValueError("'phase' belongs to a pattern; say 'leg' on a route of legs")
     if start.phase is not None and start.phase not in STARTS:
         raise ValueError(f"phase must be one of {', '.join(STARTS)}, not '{start.phase}'")
@@ -463,15 +506,23 @@ def _initial(scenario: Scenario, route: Route, flaps: float, landing: Landing | 
     along_north, along_east = leg.direction
     north = leg.end[0] - along_north * distance - along_east * start.cross_track
     east = leg.end[1] - along_east * distance + along_north * start.cross_track
-    height, angle, gear, speed = leg.height, 0.0, 0.0, leg.speed
+    height, angle, gear, speed, level_flaps = leg.height, 0.0, 0.0, leg.speed, flaps
     if landing is not None and number == len(route.legs) - 1:
         height, slope = landing.path(distance, leg.height, leg.speed)
         if slope < 0.0:
             angle, flaps, gear, speed = math.atan(slope), landing.flaps, 1.0, landing.approach_speed
+    course = leg.course
+    if isinstance(scenario.route, VectoredTable):
+        vectors = vectoring.begins(scenario, scenario.route)
+        if start.distance is None:
+            north, east, _ = vectors
+            height, angle, gear, flaps = leg.height, 0.0, 0.0, level_flaps
+        course, speed = vectors[2], scenario.route.speed
     height = height if start.height is None else start.height
     speed = speed if start.speed is None else start.speed
+    course = course if start.course is None else start.course
     return Initial(
-        north, east, height, leg.course, airspeed=speed, flight_path_angle=angle, flaps=flaps, gear=gear, leg=number
+        north, east, height, course, airspeed=speed, flight_path_angle=angle, flaps=flaps, gear=gear, leg=number
     )
 
 

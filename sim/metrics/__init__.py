@@ -5,6 +5,6 @@
 estimates to common channels, ``tracker`` counts the errors there, ``error_curves`` has them over time, ``conformance``
 asks whether the law is followed, ``navigation`` how good the estimate was that was flown on. ``checks`` are limits with
 their margins on one flight. The room ``contrasts`` sets two trackers against each other, the room ``alarms`` is about
-what watches a tracker, its false alarms and delays; the room ``ensemble`` is about several flights, and has the verdict
-on each check.
+what watches a tracker, its false alarms and delays; the room ``arrivals`` measures turns onto final; the room
+``ensemble`` is about several flights, and has the verdict on each check.
 """

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from aircraft.air import Air
+from sim.scenario.arrivals.navigation import NavigationErrors
+from sim.scenario.arrivals.vectored import VectoredTable
 from sim.scenario.catalogue import completed
 from sim.scenario.plugins import Part
 from sim.scenario.recording.table import RecordTable
@@ -16,13 +18,16 @@ from sim.scenario.tables import (
     Check,
     Contrast,
     Departure,
-    Route,
+    LegsTable,
+    PatternTable,
     Runway,
     SensorFault,
     Start,
     StudyTable,
     WindTable,
 )
+
+Route = PatternTable | LegsTable | VectoredTable
 
 
 @dataclass(frozen=True)
@@ -65,6 +70,7 @@ class Scenario:
     contrasts: tuple[Contrast, ...]
     checks: tuple[Check, ...]
     study: StudyTable | None
+    navigation_errors: NavigationErrors | None  # of the autopilot; None = it knows its motion
     tables: dict[str, Any] = field(repr=False)  # the resolved file
     record: RecordTable | None = None  # of a flight that was flown elsewhere; None = it is flown here
     parts: tuple[Part, ...] = field(default=(), repr=False)  # kinds from outside that it names

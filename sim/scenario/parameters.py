@@ -195,8 +195,9 @@ def construct(cls: type, table: dict[str, Any], true_share: TrueShare | None = N
 def given_values(cls: type, table: dict[str, Any], true_share: TrueShare | None = None) -> dict[str, Any]:
     """What a validated table sets of the fields of a class, by field, in SI."""
     keys = _keys(cls)
+    inherited = true_share and _at_the_height_of(cls, table, true_share)
     found = {
-        keys[key][0].attribute: _to_si(keys[key][0].kind, value, keys[key][1], true_share)
+        keys[key][0].attribute: _to_si(keys[key][0].kind, value, keys[key][1], inherited)
         for key, value in table.items()
         if value is not None and key in keys
     }
@@ -207,6 +208,16 @@ def given_values(cls: type, table: dict[str, Any], true_share: TrueShare | None 
         share = true_share({**defaults, **found}.get("height"))
         found |= {one.attribute: share * found[one.attribute] for one in indicated}
     return found
+
+
+def _at_the_height_of(cls: type, table: dict[str, Any], true_share: TrueShare) -> TrueShare:
+    """The share for tables within a table, which are at its height where they say none."""
+    own = next((one for one in parameters(cls) if one.attribute == "height"), None)
+    if own is None:
+        return true_share
+    said = [float(table[key]) * factor for key, factor in own.keys.items() if table.get(key) is not None]
+    height = said[0] if said else own.default
+    return lambda within: true_share(height if within is None else within)
 
 
 @cached

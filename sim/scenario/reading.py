@@ -16,8 +16,9 @@ from aircraft.air import Air
 from aircraft.wind_event import broken_promises
 from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import catalogue as bundled
+from sim.scenario.arrivals.navigation import NavigationErrors
 from sim.scenario.messages import faults_of, quantity, report_faults
-from sim.scenario.model import Scenario, TrackerChoice
+from sim.scenario.model import Route, Scenario, TrackerChoice
 from sim.scenario.parameters import TrueShare, construct, dump, given_values, parameters
 from sim.scenario.plugins import Catalogue, catalogue_with, is_outside, said
 from sim.scenario.recording.completion import beside_file, completed_record, runway_file, strangers
@@ -33,8 +34,6 @@ from sim.scenario.tables import (
     Check,
     Contrast,
     Departure,
-    LegsTable,
-    PatternTable,
     Runway,
     SensorFault,
     Start,
@@ -242,12 +241,19 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
             )
         },
         "study": table("study", StudyTable) if tables.get("study") is not None else None,
+        "navigation_errors": None
+        if tables.get("navigation_errors") is None
+        else table("navigation_errors", NavigationErrors),
     }
     faults += [*_told_twice(scenario["contrasts"]), *faults_of_plots(tables, record, sensors)]
     navigation = tables.get("autopilot", {}).get("navigation", "truth")
     if navigation != "truth" and navigation not in trackers:
         faults.append(
             f"[autopilot] navigation: no tracker '{navigation}'; {did_you_mean(navigation, ['truth', *trackers])}"
+        )
+    if navigation != "truth" and tables.get("navigation_errors") is not None:
+        faults.append(
+            '[navigation_errors] belongs to navigation = "truth": a tracker that navigates has its own errors'
         )
     if faults:
         raise ScenarioError(report_faults(origin, faults))
@@ -307,16 +313,16 @@ def _true_share(air: Air, height: float | None, otherwise: float = 0.0) -> float
     return float(1.0 / air.equivalent_share(height)) if 0.0 <= height <= HIGHEST_FLIGHT else 1.0
 
 
-def _start_height(tables: dict[str, Any], route: PatternTable | LegsTable | None, runway: Runway) -> float:
+def _start_height(tables: dict[str, Any], route: Route | None, runway: Runway) -> float:
     """Where a flight begins whose [start] says no height, m: that of its leg, or on the glide path under it."""
     table = {key: value for key, value in tables.get("start", {}).items() if quantity(key) != "speed"}
     start = given_values(Start, table)
     number = STARTS.get(start.get("phase", ""), start.get("leg", 0))
-    if isinstance(route, PatternTable):
-        distance = start.get("distance", math.inf) if number == STARTS["final"] else math.inf
-        return min(route.height, float(distance) * math.tan(runway.glide_path))
-    legs = () if route is None else route.legs
-    return legs[number].height if 0 <= number < len(legs) else 0.0
+    levels = () if route is None else route.levels
+    if route is not None and route.final is not None:
+        distance = start.get("distance", math.inf) if number == route.final else math.inf
+        return min(levels[0][2], float(distance) * math.tan(runway.glide_path))
+    return levels[number][2] if 0 <= number < len(levels) else 0.0
 
 
 def _construct(
@@ -392,6 +398,8 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
     for several in ("departures", "sensor_faults", "contrasts"):
         if tables.get(several):
             out[several] = list(tables[several])
+    if built["navigation_errors"] is not None:
+        out["navigation_errors"] = _completed(built["navigation_errors"], tables["navigation_errors"])
     out["checks"] = list(tables.get("checks", []))
     out["study"] = tables.get("study")
     return out

@@ -13,6 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import catalogue as bundled
+from sim.scenario.arrivals.navigation import NavigationErrors
+from sim.scenario.arrivals.vectored import VectoredTable
 from sim.scenario.parameters import model_of
 from sim.scenario.plugins import BUNDLED, Catalogue
 from sim.scenario.recording.table import RecordTable
@@ -35,7 +37,7 @@ from sim.scenario.tables import (
 MOST_MODELS = 256  # that are kept of one sort; files that differ in numbers alone share theirs
 MOST_NAMES = 50  # sensors or trackers of one scenario
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
-ROUTES = {"pattern": PatternTable, "legs": LegsTable}
+ROUTES = {"pattern": PatternTable, "legs": LegsTable, "vectored": VectoredTable}
 RESERVED = {"trackers": {"truth": "'truth' is the motion itself, as [autopilot] navigation has it"}}
 FROM_OUTSIDE = "; others come with --plugin FILE"
 LAW_GIVEN = ("bank_limit",)  # stands in [autopilot] itself
@@ -119,6 +121,7 @@ def file_model(route: Any, autopilot: Any, wind: Any, sensors: Any, trackers: An
         contrasts=(_entries(Contrast), []),
         checks=(_entries(Check), []),
         study=(_optional(StudyTable), None),
+        navigation_errors=(_optional(NavigationErrors), None),
         route=(route, None),
         autopilot=(autopilot, None),
         wind=(wind, None),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import unicodedata
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -118,6 +118,7 @@ class Start:
     cross_track: Annotated[float, "m"] = 0.0
     speed: Annotated[float | None, "m/s", "indicated"] = None  # true airspeed; absent = the leg's
     height: Annotated[float | None, "m"] = None  # absent = the leg's
+    course: Annotated[float | None, "rad"] = None  # over the ground, clockwise from north; absent = the leg's
 
     def __post_init__(self) -> None:
         if self.phase is not None and self.leg is not None:
@@ -147,6 +148,8 @@ class PatternTable:
     deceleration: Annotated[float, "m/s2"] = 0.5
     glide_deceleration: Annotated[float | None, "m/s2"] = None  # on the glide path; absent = the same
 
+    final: ClassVar[int | None] = 2  # the leg that ends on the runway
+
     def __post_init__(self) -> None:
         for name in ("height", "downwind_abeam", "base_distance", "downwind_speed", "turn_speed", "approach_speed"):
             if getattr(self, name) <= 0:
@@ -158,6 +161,11 @@ class PatternTable:
         _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
         _within(self, 0.0, FARTHEST, "m", "downwind_abeam", "base_distance")
         _within(self, 1.0, FASTEST, "m/s", "downwind_speed", "turn_speed", "approach_speed")
+
+    @property
+    def levels(self) -> tuple[tuple[str, float, float], ...]:
+        """(where, true airspeed m/s, height m) of everything flown before the glide path."""
+        return ("downwind", self.downwind_speed, self.height), ("the turn to final", self.turn_speed, self.height)
 
 
 @dataclass(frozen=True)
@@ -186,6 +194,8 @@ class LegsTable:
 
     legs: tuple[LegTable, ...]
 
+    final: ClassVar[int | None] = None  # no leg ends on the runway
+
     def __post_init__(self) -> None:
         if not self.legs:
             raise ValueError("a route needs at least one leg")
@@ -193,8 +203,10 @@ class LegsTable:
             if not np.allclose(before.to, after.from_, atol=1.0):
                 raise ValueError(f"leg {i} ends {before.to}, leg {i + 1} begins {after.from_}: legs must join")
 
-
-Route = PatternTable | LegsTable
+    @property
+    def levels(self) -> tuple[tuple[str, float, float], ...]:
+        """(where, true airspeed m/s, height m) of every leg."""
+        return tuple((f"leg {number}", leg.speed, leg.height) for number, leg in enumerate(self.legs))
 
 
 @dataclass(frozen=True)
@@ -208,10 +220,17 @@ class AutopilotTable:
     allow_orbit: bool = False
     gate_height: Annotated[float, "m"] = 300.0  # below it an approach that is not stabilised goes around
     frequency_share: float | None = None  # natural frequency of the law over the bank loop's; absent = designed
+    damping: float | None = None  # of the law inside its limits, instead of its k2
+    intercept_speed: Annotated[float | None, "m/s"] = None  # across the leg, k1 z_max / k2, instead of its z_max
+    bank_lag: Annotated[float, "s"] = 0.0  # of the bank command behind the law's, beside the lag of the bank itself
 
     def __post_init__(self) -> None:
         if self.frequency_share is not None and not 0 < self.frequency_share <= 2:
             raise ValueError("frequency_share must be above 0 and at most 2 bandwidths of the bank loop")
+        if self.damping is not None and not 0.05 <= self.damping <= 5.0:
+            raise ValueError("damping must lie within 0.05 and 5")
+        _within(self, 1.0, FASTEST, "m/s", "intercept_speed")
+        _within(self, 0.0, 30.0, "s", "bank_lag")
         if not 0 <= self.estimate_lag <= 30:
             raise ValueError("estimate_lag must lie within 0 and 30 s")
         if self.frequency_share is not None and self.estimate_lag > 0:

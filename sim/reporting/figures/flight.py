@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.flight.arrivals import vectoring
 from sim.flight.record import Flight
 from sim.reporting.drawing.figure import Drawing
 from sim.reporting.figures.histories import (
@@ -42,7 +43,14 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
     with np.errstate(invalid="ignore"):
         add(
             "Plan view",
-            plan_view(whole, scenario.runway, steady, scenario.wind.events, scenario.sensors),
+            plan_view(
+                whole,
+                scenario.runway,
+                steady,
+                scenario.wind.events,
+                scenario.sensors,
+                vectoring.planned_of(scenario),
+            ),
             "Equal scales; turned so that the final course runs to the right, north as the arrow shows. The runway's "
             "length is drawn, not modelled. Dotted: what a sensor covers; a cross is its antenna.",
         )

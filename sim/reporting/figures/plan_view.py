@@ -29,11 +29,13 @@ def plan_view(
     wind: tuple[float, float] | None,
     events: Mapping[str, Any] | None = None,
     sensors: Mapping[str, Any] | None = None,
+    vectors: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> Drawing:
     """Figure with equal axes, in km from the threshold along and to the right of the final course.
 
     ``wind`` is the steady one, the way the air moves, m/s (north, east), None = unknown; ``events`` and
-    ``sensors`` are drawn by their outlines.
+    ``sensors`` are drawn by their outlines, ``vectors`` (north and east, m) are the way on which headings were to lead
+    to the route.
     """
     course = flight.route.legs[-1].course
     c, s = math.cos(course), math.sin(course)
@@ -55,6 +57,8 @@ def plan_view(
 
     axes.line(corner_x, corner_y, colour="#555555", width=0.8, dashes=(5, 3), order=1.5, label="route")
     axes.points(corner_x, corner_y, colour="#555555", marker="^", size=5.0, fill=PAPER, label="point of the route")
+    if vectors is not None:
+        axes.line(*turned(*vectors), colour=style.GREY, width=0.8, dashes=(1, 2), order=1.5, label="vectors")
     if shown:
         axes.line(runway_x, runway_y, width=4.0, butt=True, alpha=0.75, label="runway")
     for name, event in (events or {}).items():

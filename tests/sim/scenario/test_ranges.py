@@ -11,10 +11,13 @@ from sim.estimation.setup import check
 from sim.experiment import read
 from sim.flight.preparation import prepare
 from sim.scenario import catalogue, tables
+from sim.scenario.arrivals.navigation import NavigationErrors
+from sim.scenario.arrivals.vectored import SpeedTable, VectoredTable, VectorTable
 from sim.scenario.parameters import model_of, parameters
 from tests.capture import CAPTURE
 
 TABLES = [getattr(tables, name) for name in ("Runway", "AirTable", "Start", "PatternTable", "AutopilotTable", "Check")]
+TABLES += [VectoredTable, VectorTable, SpeedTable, NavigationErrors]
 KINDS = [
     catalogue.load(family, kind)
     for family in ("sensors", "trackers", "modes", "wind_events")

@@ -1,0 +1,41 @@
+"""What is wrong with the navigation that an autopilot flies on, where it is no tracker of the scenario."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+from sim.scenario.tables import FARTHEST, _within
+
+
+@dataclass(frozen=True)
+class NavigationErrors:
+    """Errors of the localiser, of the glide path and of the wind that the aircraft has worked out.
+
+    Bends are deviations of a beam that stay where they are: a first-order Gauss-Markov process over the distance to the
+    antenna. The aircraft smooths the localiser by what it knows of its own motion: its heading, its airspeed and a wind
+    that it corrects as it goes (a complementary filter of second order, critically damped). So it believes a
+    cross-track and a rate that are both a little wrong, and a wind that lags behind the true one. Without the table the
+    autopilot knows its motion.
+
+    Nothing errs by default. Annex 10 lets twice the deviation of a localiser's bends be 5 microampere of category III
+    at the runway (0.07 deg, with 150 microampere at 2.15 deg) and 30 of any category beyond 4 NM [ICAO annex 10 volume
+    I, 3.1.3.4, from memory]; how long bends are is not laid down.
+    """
+
+    localiser_bend: Annotated[float, "rad"] = 0.0  # standard deviation
+    localiser_bias: Annotated[float, "rad"] = 0.0  # of the course line, + to the right of an approach
+    glide_path_bend: Annotated[float, "rad"] = 0.0  # standard deviation
+    bend_length: Annotated[float, "m"] = 1000.0  # of correlation
+    smoothing: Annotated[float, "s"] = 10.0  # time constant of the complementary filter
+    wind: Annotated[float, "m/s"] = 0.0  # standard deviation of what is wrong with the wind across at first
+    localiser_past: Annotated[float, "m"] = 2800.0  # of the antenna, past the threshold
+
+    def __post_init__(self) -> None:
+        _within(self, 0.0, math.radians(2.0), "radians (2 degrees)", "localiser_bend", "glide_path_bend")
+        _within(self, -math.radians(5.0), math.radians(5.0), "radians (5 degrees)", "localiser_bias")
+        _within(self, 1.0, FARTHEST, "m", "bend_length")
+        _within(self, 0.5, 600.0, "s", "smoothing")
+        _within(self, 0.0, 50.0, "m/s", "wind")
+        _within(self, 0.0, 20_000.0, "m", "localiser_past")
