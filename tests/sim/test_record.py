@@ -141,7 +141,7 @@ def test_a_flight_is_named_where_there_are_several(files):
 def test_where_nobody_is_named_a_radar_with_mode_c_watches(files):
     scenario = sim.read(tables(files))
     assert scenario.sensors["radar"].channels == ("range", "azimuth", "height")
-    assert [*scenario.trackers] == ["kalman", "imm", "intent_imm"]
+    assert [*scenario.trackers] == ["kalman", "imm", "intent_imm", "saturated_control"]
     assert sim.read(tables(files, sensors={}, trackers={})).trackers == {}
 
 
@@ -204,5 +204,5 @@ def test_the_command_runs_one_flight(files, command, monkeypatch):
     ((whole, overrides, out),) = asked
     prepared = sim.prepare(sim.read(whole, overrides))
     assert (prepared.scenario.name, prepared.scenario.draws, out.name) == ("FIRST", 3, "there")
-    assert [one.kind for one in prepared.scenario.trackers.values()] == ["kalman", "imm", "intent_imm"]
+    assert [one.kind for one in prepared.scenario.trackers.values()] == ["kalman", "imm", "intent_imm", "saturated_control"]
     assert prepared.recording.outcome == "landed"
