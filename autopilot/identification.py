@@ -14,11 +14,12 @@ import numpy as np
 
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.capture import SAMPLE, Capture, Response, response
-from autopilot.law_search import BANK_SCALE, CROSS_TRACK_SCALE, LATE, LINE, PARAMETERS, STEPS, Search, free
+from autopilot.law_search import BANK_SCALE, CROSS_TRACK_SCALE, LATE, LINE, LINE_SIGMA, PARAMETERS, STEPS, Search, free
 
 ROLL_RATE_LIMIT = math.radians(5.0)  # rad/s, of autopilots as a rule; no record at 1 Hz tells it from the lag
 EXPLAINED_CROSS_TRACK, EXPLAINED_BANK = 30.0, math.radians(3.0)  # RMS of residuals below which the law explains
 LONGEST_APPROACH = 60.0  # s, k2 / k1, with which a law without limits nears its leg; slower, a capture does not show it
+MOST_BESIDE = 2.0 * LINE_SIGMA  # m; no beam lies so far from its course
 SHORTEST = 30  # instants; fewer do not tell nine numbers
 UNSEEN = 8.0  # s, or the lag if that is longer, for which a limit may act without being seen (of 75 bounds, 1 is wrong)
 MOST_ALIKE = 0.95  # correlation of residuals from one instant to the next; beyond, nothing could be said of errors
@@ -64,6 +65,8 @@ class LawFit(NamedTuple):
         approach = self.k2.value / self.k1.value
         if approach > LONGEST_APPROACH:
             found.append(f"a course is steered, not the line: it would be approached with {approach:.0f} s")
+        if abs(self.line.value) > MOST_BESIDE:
+            found.append(f"it settles {abs(self.line.value):.0f} m beside the leg, {MOST_BESIDE:.0f} allowed")
         return tuple(found)
 
     @property

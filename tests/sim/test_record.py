@@ -204,5 +204,10 @@ def test_the_command_runs_one_flight(files, command, monkeypatch):
     ((whole, overrides, out),) = asked
     prepared = sim.prepare(sim.read(whole, overrides))
     assert (prepared.scenario.name, prepared.scenario.draws, out.name) == ("FIRST", 3, "there")
-    assert [one.kind for one in prepared.scenario.trackers.values()] == ["kalman", "imm", "intent_imm", "saturated_control"]
+    assert [one.kind for one in prepared.scenario.trackers.values()] == [
+        "kalman",
+        "imm",
+        "intent_imm",
+        "saturated_control",
+    ]
     assert prepared.recording.outcome == "landed"

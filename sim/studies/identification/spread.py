@@ -63,9 +63,10 @@ def outlying(fit: LawFit, of: dict[str, Spread]) -> tuple[str, ...]:
     """Numbers of a capture that lie apart from those of the others (beyond Tukey's fences on a logarithmic scale)."""
     found = []
     for name, spread in of.items():
-        low, high = (math.log(value) for value in (spread.quantiles[1], spread.quantiles[3]))
-        room = OUTLYING * (high - low)
-        if spread.estimated >= FEWEST and not low - room <= math.log(getattr(fit, name).value) <= high + room:
+        one = getattr(fit, name)
+        low, high = spread.quantiles[1], spread.quantiles[3]
+        room = (high / low) ** OUTLYING  # NaN where the bounds hide a quantile: then nothing is said
+        if one.met and spread.estimated >= FEWEST and (one.value < low / room or one.value > high * room):
             found.append(name)
     return tuple(found)
 

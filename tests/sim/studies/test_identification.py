@@ -18,7 +18,7 @@ from sim.studies.identification.captures import identify
 from sim.studies.identification.command import identify_to_folder, summary
 from sim.studies.identification.law_file import law_text
 from sim.studies.identification.page import page
-from sim.studies.identification.spread import spread_of, spreads
+from sim.studies.identification.spread import outlying, spread_of, spreads
 from sim.studies.identification.survey import Survey, as_json, survey
 from tests import captures
 from tests.capture import CAPTURE
@@ -186,6 +186,18 @@ def test_bounds_count_as_what_lies_beyond_them():
     assert spread.quantiles[2] == pytest.approx(2.8)
     assert math.isnan(spread.quantiles[3])
     assert (spread.lowest, spread.highest, spread.estimated, spread.bounds) == (1.0, 3.0, 3, 2)
+
+
+def test_an_outlier_lies_beyond_the_fences_of_the_others(limited):
+    """Of six captures alike but one; where bounds hide the quantiles nothing is an outlier."""
+    fit = limited[-1]
+    fits = [
+        fit._replace(k1=fit.k1._replace(value=fit.k1.value * factor)) for factor in (0.9, 0.95, 1.0, 1.05, 1.1, 3.0)
+    ]
+    of = spreads(fits)
+    assert [outlying(one, of) for one in fits] == [()] * 5 + [("k1",)]
+    hidden = of["k1"]._replace(quantiles=(1e-3, 1e-3, math.nan, math.nan, math.nan))
+    assert outlying(fits[-1], {"k1": hidden}) == ()
 
 
 @pytest.fixture(scope="module")
