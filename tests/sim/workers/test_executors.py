@@ -17,6 +17,7 @@ import pytest
 from sim.scenario.reading import read
 from sim.studies import study as studies
 from sim.studies.job import Job
+from sim.workers import executors
 from sim.workers.executors import ATTEMPTS, LocalExecutor, Lost
 from tests.capture import capture
 
@@ -37,27 +38,40 @@ def ended(executor):
         executor.close()
 
 
-def test_a_lost_job_costs_nothing_but_itself():
+def complain_and_abort():
+    os.write(2, b"much more " * 100_000)  # more than a pipe holds
+    os.write(2, b"terminate called after throwing an instance of 'X'\n  what():  the \x1b[31mwing\n is \x07off")
+    os.abort()
+
+
+def test_a_lost_job_costs_nothing_but_itself(monkeypatch):
+    monkeypatch.setattr(executors, "CLOCK_FACTOR", 1000.0)  # nothing waits here, however busy the machine
     executor = LocalExecutor(workers=2, time_limit=0.4, memory_limit=2 << 30)
     jobs = {
         0: (operator.add, 1, 2),
         1: (os.abort,),
-        2: (time.sleep, 1000),
         3: (bytearray, 8 << 30),
         4: (math.sqrt, -1.0),
         5: (operator.add, 3, 4),
         6: (sum, range(10**12)),
+        7: (complain_and_abort,),
     }
     for number, (function, *arguments) in jobs.items():
         executor.submit(number, function, *arguments)
     found = ended(executor)
     assert (found[0], found[5]) == (3, 7)
-    assert found[1] == Lost(f"its worker process died {ATTEMPTS} times")
-    assert found[2] == Lost("no answer for 4 s, most of which it did not compute")
+    assert found[1] == Lost(f"its worker process died {ATTEMPTS} times (SIGABRT)")
+    assert found[7] == Lost(f"its worker process died {ATTEMPTS} times (SIGABRT: the wing is off)")
     assert found[3] == Lost("out of memory (2048 MB for each worker)")
     assert found[6] == Lost("no answer within 0.4 s of processor time")
     assert isinstance(found[4], Lost)
     assert "ValueError" in found[4].reason
+
+
+def test_a_job_that_waits_is_not_said_to_compute():
+    executor = LocalExecutor(time_limit=0.1)
+    executor.submit(0, time.sleep, 1000)
+    assert ended(executor) == {0: Lost("no answer for 1 s, most of which it did not compute")}
 
 
 def test_workers_have_one_thread_and_leave_the_environment_alone(monkeypatch):
