@@ -161,7 +161,7 @@ def run(
     told = [
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
-        *skipped_looks(found.tracks),
+        *skipped_looks(records),
         *contrast_warnings(contrasts, trackers_found),
         *assumed_height.remarks(prepared, flown, before),
     ]

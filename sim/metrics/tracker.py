@@ -61,6 +61,10 @@ def tracker_metrics(flight: Flight, track: Track, errors: TrackerErrors) -> dict
     rows = np.isfinite(track.white).sum(axis=1)
     if rows.any():
         figures["anis"] = float(np.sum(np.where(rows > 0, track.nis, 0.0)) / rows.sum())
+    skipped = np.zeros(len(track.time), bool) if track.skipped is None else track.skipped.any(axis=1)
+    if skipped.any():
+        since = float(track.time[skipped][0])
+        figures["skipped"] = {"looks": int(skipped.sum()), "of_looks": len(skipped), "first_s": since}
     return figures
 
 
