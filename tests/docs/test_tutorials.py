@@ -17,6 +17,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 RENEW = "run `make tutorials` and look at what changed"
 SVG = "{http://www.w3.org/2000/svg}"
+SAMPLE = "vasylyev2003"  # is run by every `make test`, the others by `make soak`
 HALF_A_POINT = 0.5  # pt: less than the width of a line
 
 
@@ -52,7 +53,10 @@ def curves_of(figure: Path) -> list[list[float]]:
     return [[float(number) for number in re.findall(r"-?\d+(?:\.\d+)?", path)] for path in paths]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=() if page.stem == SAMPLE else pytest.mark.soak, id=page.stem) for page in PAGES],
+)
 def test_a_tutorial_does_what_it_shows(page, tmp_path):
     outputs = tutorials.run(page, tmp_path)
     shown = [block.shown for block in tutorials.blocks(page)]

@@ -12,8 +12,12 @@ import signal
 import sys
 
 import filterpy.kalman  # noqa: F401 (imported for the forks)
+import hypothesis.strategies  # noqa: F401
+import jsbsim  # noqa: F401
+import pydantic  # noqa: F401
 import pytest
 import scipy.integrate
+import scipy.interpolate
 import scipy.optimize
 import scipy.stats  # noqa: F401
 

@@ -105,8 +105,8 @@ def test_text_is_utf_8_whatever_the_locale(tmp_path):
     home = Path(__file__).parents[3]
     plain = {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0", "PYTHONPATH": str(home)}
     plain["PYTHONIOENCODING"] = "latin-1"
-    for file in ("short.toml", "out/short/scenario.toml"):
-        process = started("-m", "sim", "run", file, cwd=tmp_path, env={**os.environ, **plain})
+    for command in ("run short.toml", "explain out/short/scenario.toml"):
+        process = started("-m", "sim", *command.split(), cwd=tmp_path, env={**os.environ, **plain})
         told, error = process.communicate(timeout=60)
         assert (process.returncode, error) == (0, "")
         assert "\\u043a\\u0440" in told

@@ -30,7 +30,7 @@ def test_an_aircraft_that_kills_its_process_is_answered_and_the_others_fly():
     assert found["good"] == {"route_capture": {"outcome": "completed"}}
 
 
-@pytest.mark.parametrize("model", ["T37", "A320"])
+@pytest.mark.parametrize("model", [pytest.param("T37", marks=pytest.mark.soak), "A320"])
 def test_a_stock_aircraft_captures_and_lands_with_nothing_set_by_hand(model):
     told = fleet.flown(model)
     capture, landing = told["route_capture"], told["straight_in"]

@@ -86,12 +86,11 @@ def test_workers_have_one_thread_and_leave_the_environment_alone(monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """An uninterrupted study with one worker: the bytes that every other way must reach."""
+def whole(tmp_path_factory, inline):
+    """An uninterrupted study in this process: the bytes that every other way must reach."""
     folder = tmp_path_factory.mktemp("whole")
     (folder / "killed.toml").write_text(TABLES)
-    with study(folder / "killed.toml", folder / "o", 1) as process:
-        finish(process)
+    studies.study(folder / "killed.toml", folder / "o", inline())
     return folder
 
 
@@ -163,7 +162,10 @@ def test_a_killed_worker_costs_time_only(whole, tmp_path):
     assert_same(tmp_path / "o", whole)
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)])
+@pytest.mark.parametrize(
+    ("number", "code"),
+    [pytest.param(signal.SIGKILL, -signal.SIGKILL, marks=pytest.mark.soak), (signal.SIGINT, 130)],
+)
 def test_a_killed_parent_is_resumed_to_the_same_bytes(whole, tmp_path, number, code):
     with study(whole / "killed.toml", tmp_path / "o", 1) as process:
         wait_for(lambda: flown(tmp_path / "o") >= 3, process)
