@@ -45,6 +45,20 @@ def test_a_batch_system_stops_a_command_as_ctrl_c_does(name, code):
     assert (process.returncode, told) == (code, "stopped\n")
 
 
+@pytest.mark.parametrize(("name", "code"), [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130)])
+def test_a_command_that_is_stopped_while_its_words_are_read_ends_the_same(monkeypatch, name, code):
+    def parse(*given):
+        os.kill(os.getpid(), getattr(signal, name))
+        time.sleep(10)
+
+    monkeypatch.setattr(sys, "argv", ["shortfinal", "list"])
+    monkeypatch.setattr("typer.core.TyperGroup.parse_args", parse)
+    monkeypatch.setattr("typer.core.TyperGroup.make_context", parse)
+    with pytest.raises(SystemExit) as ended:
+        commands.main()
+    assert ended.value.code == code
+
+
 def test_a_signal_that_is_ignored_stays_ignored():
     """As ``nohup`` has it: a terminal that closes does not stop the work."""
     process = started("-c", STOPPABLE, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
