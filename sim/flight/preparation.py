@@ -374,7 +374,8 @@ def _case(scenario: Scenario, gains: Designed, route: Route) -> DesignCase:
     """What a law is designed for: the route law of the design, or that of the frequency which the file sets."""
     bank_limit, speed = scenario.autopilot.bank_limit, max(leg.speed for leg in route.legs)
     share = scenario.autopilot.frequency_share
-    base = gains.law if share is None else law_of_frequency(share * gains.bank_bandwidth, speed, bank_limit)
+    frequency = None if share is None else share * gains.bank_bandwidth
+    base = gains.law if frequency is None else law_of_frequency(frequency, speed, bank_limit, gains.turning)
     return DesignCase(bank_limit, gains.bank_bandwidth, speed, base.k1, base.k2, base.cross_track_limit)
 
 
