@@ -118,10 +118,12 @@ def test_the_code_is_in_the_style_of_the_project(page, tmp_path):
     ruff = [sys.executable, "-m", "ruff", "--config", str(ROOT / "pyproject.toml")]
     checked = subprocess.run([*ruff, "check", "--ignore", "E402,I001", str(file)], capture_output=True, text=True)
     assert checked.returncode == 0, checked.stdout
-    for block in tutorials.blocks(page):
-        file.write_text(block.code.lstrip(), encoding="utf-8")
-        formatted = subprocess.run([*ruff, "format", "--diff", str(file)], capture_output=True, text=True)
-        assert formatted.returncode == 0, formatted.stdout
+    place = tmp_path / "blocks"
+    place.mkdir()
+    for number, block in enumerate(tutorials.blocks(page)):
+        (place / f"block_{number}.py").write_text(block.code.lstrip(), encoding="utf-8")
+    formatted = subprocess.run([*ruff, "format", "--diff", str(place)], capture_output=True, text=True)
+    assert formatted.returncode == 0, formatted.stdout
 
 
 @pytest.mark.parametrize(

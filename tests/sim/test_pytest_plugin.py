@@ -195,6 +195,7 @@ def test_a_broken_file_is_one_collection_error_with_file_and_key(project):
     assert "2 errors" in told
 
 
+@pytest.mark.soak
 def test_parts_from_outside_come_by_the_ini_file_and_by_the_fixture(project):
     (project.folder / "sub").mkdir()
     (project.folder / "sub/mine.py").write_text(PARTS)

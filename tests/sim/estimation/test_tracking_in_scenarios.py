@@ -277,6 +277,15 @@ def test_twins_track_as_each_of_them_does_alone(flown, kind):
             assert figures[name]["look_ahead"][span] == pytest.approx(by_channel, rel=1e-6)
 
 
+@pytest.mark.parametrize("detection", [0.6, 0.1])
+def test_plots_that_single_draws_miss_leave_huber_its_limits(detection):
+    radar = {"approach": {**SENSORS["approach"], "detection": detection}}
+    prepared = scenario({"huber": {"kind": "huber"}}, sensors=radar, aircraft={"model": "point_mass"}, until_s=60)
+    flight = fly(prepared)
+    _, figures = track(prepared, flight, observe(flight, prepared.scenario.sensors, 1, 0, 6), {})
+    assert 0.0 < figures["huber"]["anees_low"] < figures["huber"]["anees"] < figures["huber"]["anees_high"]
+
+
 def test_states_are_narrowed_to_some_draws_whatever_they_hold():
     class Held(NamedTuple):
         mean: np.ndarray
