@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tomllib
@@ -22,10 +23,10 @@ ROOT = HERE.parent.parent
 COPIED = ("aircraft", "autopilot", "tracking", "sim", "tests", "pyproject.toml")
 NOT_COPIED = ("acceptance", "benchmarks", "*.tmp*")
 MUTANTS = tomllib.loads((HERE / "mutants.toml").read_text())
-EVERY = 3  # `make test` tries one mutant in so many, `make soak` the others
+EVERY = 5  # `make test` tries one mutant in so many, `make soak` the others
 OPTIONS = ["-p", "no:cacheprovider", "--no-header", "--tb=line"]
 
-ALL_PASSED, SOME_FAILED, NEVER_ENDED = 0, 1, -14  # exit codes; any other means that nothing was tested
+ALL_PASSED, SOME_FAILED, NEVER_ENDED = 0, 1, (-signal.SIGPROF, -signal.SIGALRM)  # others: nothing was tested
 
 Runner = Callable[[Path, list[str]], tuple[int, str]]
 
@@ -90,4 +91,4 @@ def test_mutant_is_killed(name, tmp_path, run):
     file.write_text(file.read_text().replace(mutant["original"], mutant["mutated"]))
     code, output = run(tmp_path, ["-x", *mutant["tests"]])
     assert code != ALL_PASSED, f"{mutant['tests']} do not notice that {mutant['about']}"
-    assert code in (SOME_FAILED, NEVER_ENDED), output
+    assert code in (SOME_FAILED, *NEVER_ENDED), output

@@ -182,6 +182,7 @@ def test_two_files_of_one_name_have_two_reports(project):
     assert (project.folder / "file").read_text() == "years of work"
 
 
+@pytest.mark.soak
 def test_a_broken_file_is_one_collection_error_with_file_and_key(project):
     (project.folder / "line.scenario.toml").write_text(SCENARIO)
     (project.folder / "typo.scenario.toml").write_text(SCENARIO.replace("cross_track_m", "cross_trak_m") + GOOD)

@@ -256,7 +256,10 @@ def test_looking_ahead_is_the_tracker_s_own_prediction(flown, tracked):
     assert tracked[1]["kalman"]["look_ahead"]["20_s"]["position_m"] == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["linear_feedback", "saturated_control", "intent_imm"])
+@pytest.mark.parametrize(
+    "kind",
+    ["intent_imm", *(pytest.param(kind, marks=pytest.mark.soak) for kind in ("linear_feedback", "saturated_control"))],
+)
 def test_twins_track_as_each_of_them_does_alone(flown, kind):
     """The right and a mismatched law, side by side in one tracker and each by itself."""
     _, flight, whole = flown
