@@ -14,7 +14,7 @@ help:
 	@echo "make tutorials   run the tutorials and renew what they print and draw"
 	@echo "make uses        run what README and docs show and renew transcripts and figures"
 	@echo "make extending   renew the files that docs/extending.md quotes"
-	@echo "make densities   search the process noise of every tracker and renew docs/densities.md"
+	@echo "make densities   search the process noise of every tracker, renew docs/densities.md and arrival-densities.md"
 	@echo "make fleet       fly every stock aircraft of JSBSim and renew the table of list --aircraft"
 	@echo "                 with ROOT=DIR fly every aircraft of a folder of others into out/fleet.toml"
 	@echo "make bench       measure speed, as ratios within one run"
@@ -41,7 +41,8 @@ OLDEST_TESTS := tests/tracking/test_gaussian.py tests/tracking/test_track.py tes
 	tests/autopilot/test_route_law_against_control_theory.py tests/aircraft/test_air.py \
 	tests/aircraft/test_against_newton.py tests/sim/scenario/test_units.py \
 	tests/sim/metrics/test_checks_against_rtamt.py tests/sim/metrics/test_verdict.py \
-	tests/sim/workers/test_blas.py tests/sim/reporting/test_report_trackers.py
+	tests/sim/workers/test_blas.py tests/sim/reporting/test_report_trackers.py \
+	tests/sim/reporting/test_drawing.py
 
 $(OLDEST)/ready: pyproject.toml tests/oldest.py
 	$(PYTHON) -m venv $(OLDEST)
@@ -74,6 +75,7 @@ extending: .venv/ready
 
 densities: .venv/ready
 	$(BIN)/python tests/tuning/densities.py
+	$(BIN)/python -m tests.tuning.arrival_densities
 
 fleet: .venv/ready
 	$(BIN)/python -m sim.cli.fleet $(if $(ROOT),--root '$(ROOT)')

@@ -8,6 +8,7 @@ on; nothing is remembered elsewhere, so the same text of a law also serves track
 - ``modes``: one file per law, a pure function of the deviation with its own limits; ``mode``: the contract of a law
 - ``approach``, ``landing``, ``stabilised_gate``: the phases from downwind to the ground, or around again;
   ``departure``: an autopilot that is not flown to the end; ``planned_heights``: the heights that will be ordered
+- ``identification``: which law flew a ``capture`` (``law_search`` finds it); ``last_turn``: the turn onto a leg, found
 - ``rollout``: brakes and steering to a stop after a landing
 - ``inner_loops``: Command -> Controls with the gains of ``design``, which come from the linear model of the aircraft
 - ``analysis``: poles and predictions of the route law, its phase portrait

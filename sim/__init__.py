@@ -15,7 +15,9 @@ Verbs, in the order of a run
 - `observe` - Flight and sensors -> a `SensorRecord` for each sensor (sim.observation.record)
 - `track` - Prepared, Flight, records -> a `Tracked` for each tracker, and its figures (sim.estimation.tracking_run)
 - `report` - `Result` and a folder -> the files of the run (sim.experiment)
+- `identify` - Flight -> `LawFit`: the route law that flew the capture of a leg (sim.studies.identification.captures)
 - `run` - all of them but the report, and the checks -> `Result` (sim.experiment)
+- `recorded` - recorded tracks and a runway -> a `Flight` for each, not flown here (sim.flight.recording.flights)
 
 Units and frames
 ----------------
@@ -37,6 +39,7 @@ Data
     - ``air`` - density, temperature and pressure over the runway (aircraft.air)
     - ``mode`` - the kind of law that flies, ``modes`` - the classes of all laws that are named; ``law`` - what the file
       sets of it; ``designed`` - gains it brings along; ``parts`` - kinds from outside that are named
+    - ``record`` - the table of a flight that was flown elsewhere, or None (sim.scenario.recording.table)
     - ``sensors``, ``trackers`` - by name; ``departures`` from the law, ``sensor_faults``; ``contrasts`` of trackers;
       ``checks``; ``study``
     - ``tables`` - the resolved file itself, in its own spelling
@@ -44,7 +47,7 @@ Data
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state
     - ``limits`` that end a flight; ``gains``, their design and what it was made for; ``designed``, the gains
       that fly; ``rate`` Hz of the equations of motion; ``warnings``, sentences; ``stall_speed`` m/s equivalent of
-      the landing, or None
+      the landing, or None; ``recording`` - a `Flight` that was flown elsewhere, in place of one that is flown, or None
 - `Flight` - the record of one flight, k instants at 30 Hz (sim.flight.record)
     - ``time`` (k,) s; ``state`` and ``command`` - `AircraftState` and `Command` of arrays (k,)
     - ``route`` that was to be flown; ``leg`` (k,) - index of the active one; ``deviation`` from it, of arrays (k,)
@@ -53,6 +56,8 @@ Data
       or time_limit; ``reason``, a sentence; ``gate_height`` m of the stabilised-approach gate, None = no landing
     - ``rollout`` - from the landing to the stop, a `Flight` too (outcome stopped, excursion, time_limit or diverged),
       or None; ``whole`` - both as one record; ``utc`` s since 1970 at time 0, or None
+    - of a recorded flight all but motion and bank is NaN, commands too; its phases are vectors, capture, established,
+      glide and ground. Where only plots tell of it all is NaN, ``known`` is False and the outcome unknown
 - `AircraftState` - one instant of motion, or a record of arrays (aircraft.state)
     - ``time`` s; ``north``, ``east``, ``height`` m; ``velocity_north``, ``velocity_east``, ``velocity_up`` m/s
     - ``bank``, ``pitch``, ``heading`` rad; ``roll_rate``, ``pitch_rate``, ``yaw_rate`` rad/s, body axes
@@ -86,6 +91,13 @@ Data
       that it was given; ``track``; ``curves`` - its errors over time, for figures (sim.metrics.error_curves);
       ``rollout`` - its Track after the landing, or None; ``squares`` - its squared errors by time where the scenario
       contrasts it (sim.metrics.contrasts), or None
+- `LawFit` - the route law that comes nearest to a capture (autopilot.identification)
+    - ``k1`` rad/m, ``k2`` rad/(m/s), ``cross_track_limit`` m, ``bank_limit`` rad, and ``lag`` s of the bank: each with
+      its value, its standard error sigma, and met = False for a limit that never acted and is no less than the value
+    - ``line`` m, the cross-track of the line that it held, likewise; ``engaged`` s, when it took over from a held
+      course, or None where it flew all of the capture
+    - ``cross_track_rms`` m, ``bank_rms`` rad - what the law leaves; ``explained``, and ``objections``, sentences
+    - ``capture`` - the record of it; ``flown`` - the same by the law; ``frequency`` rad/s and ``damping`` of the law
 - `Result` - what a run found out (sim.result)
     - ``prepared``, ``scenario``; ``metrics`` - as in metrics.json, of all flights; ``contrasted`` - sentences about
       each pair of trackers that are set against each other; ``broken`` - one for each check that failed; ``timing`` s;
@@ -110,14 +122,17 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from aircraft.state import AircraftState, Command
+    from autopilot.identification import LawFit
     from sim.errors import OutputError, ScenarioError
     from sim.estimation.tracking_run import Tracked, track
     from sim.experiment import fly, read, report, run
     from sim.flight.preparation import Prepared, prepare
     from sim.flight.record import Flight
+    from sim.flight.recording.flights import recorded
     from sim.observation.record import SensorRecord, observe
     from sim.result import Result
     from sim.scenario.model import Scenario
+    from sim.studies.identification.captures import identify
     from sim.versions import __version__ as __version__
     from tracking.track import Measurements, Track
 
@@ -125,6 +140,7 @@ __all__ = [
     "AircraftState",
     "Command",
     "Flight",
+    "LawFit",
     "Measurements",
     "OutputError",
     "Prepared",
@@ -135,9 +151,11 @@ __all__ = [
     "Track",
     "Tracked",
     "fly",
+    "identify",
     "observe",
     "prepare",
     "read",
+    "recorded",
     "report",
     "run",
     "track",
@@ -145,14 +163,17 @@ __all__ = [
 
 _HOMES = {
     "aircraft.state": ("AircraftState", "Command"),
+    "autopilot.identification": ("LawFit",),
     "sim.errors": ("OutputError", "ScenarioError"),
     "sim.estimation.tracking_run": ("Tracked", "track"),
     "sim.experiment": ("fly", "read", "report", "run"),
     "sim.flight.preparation": ("Prepared", "prepare"),
     "sim.flight.record": ("Flight",),
+    "sim.flight.recording.flights": ("recorded",),
     "sim.observation.record": ("SensorRecord", "observe"),
     "sim.result": ("Result",),
     "sim.scenario.model": ("Scenario",),
+    "sim.studies.identification.captures": ("identify",),
     "sim.versions": ("__version__",),
     "tracking.track": ("Measurements", "Track"),
 }

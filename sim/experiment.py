@@ -32,10 +32,11 @@ from sim.metrics.ensemble.trackers import over_flights
 from sim.metrics.ensemble.verdict import CRASHED, refuse_unfit, verdicts, worst_first
 from sim.metrics.flight import flight_metrics
 from sim.metrics.navigation import navigation_quality
+from sim.observation import recordings
 from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
 from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
-from sim.reporting.text.warnings import contrast_warnings, skipped_looks, warnings
+from sim.reporting.text.warnings import contrast_warnings, skipped_looks, unjudged, warnings
 from sim.result import Result, timed
 from sim.scenario import reading
 from sim.scenario.axes import samples
@@ -77,6 +78,8 @@ def fly(prepared: Prepared | Scenario | str, flight: int = 0) -> Flight:
 
 def _fly(prepared: Prepared, number: int) -> Flight:
     scenario = prepared.scenario
+    if prepared.recording is not None:
+        return with_fault_events(prepared.recording, scenario.sensor_faults)
     try:
         flight = flights.fly(
             prepared.vehicle,
@@ -161,9 +164,11 @@ def run(
     told = [
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
+        *unjudged(flown, checks, found.checks),
         *skipped_looks(records),
         *contrast_warnings(contrasts, trackers_found),
-        *assumed_height.remarks(prepared, flown, before),
+        *(assumed_height.remarks(prepared, flown, before) if flown.known else ()),
+        *recordings.remarks(flown, scenario.sensors, found.records),
     ]
     metrics = {
         "scenario": scenario.name,
@@ -216,6 +221,8 @@ def drawn_for(scenario: Scenario, flight: int, catalogue: Catalogue) -> Scenario
     values = samples(scenario.study.varied, drawn, scenario.seed)[flight // scenario.flights]
     if not values:
         return scenario
+    if scenario.record is not None:  # nothing is designed for it
+        return read(scenario.tables, values, plugins=catalogue)
     gains = prepare(scenario).gains.designed.to_table()
     return read({**scenario.tables, "designed": gains}, values, plugins=catalogue)
 
@@ -260,7 +267,7 @@ def _elsewhere(
     prepared: Prepared, numbers: Sequence[int], own: dict[str, Any] | None, workers: int
 ) -> Iterator[tuple[int, Any]]:
     """Number and record of flights, or ``Lost``, as worker processes end them."""
-    tables = {**prepared.scenario.tables, "designed": prepared.gains.to_table(), "study": None}
+    tables = {**prepared.scenario.tables, "designed": prepared.design, "study": None}
     refuse_small_limit()
     executor = LocalExecutor(min(workers, len(numbers)))
     try:
@@ -360,7 +367,7 @@ def _on_truth(prepared: Prepared, number: int) -> dict[str, Any]:
 
 
 def run_to_folder(
-    source: str,
+    source: str | dict[str, Any],
     overrides: dict[str, Any],
     out: Path | None,
     progress: Callable[..., Any] | None = None,
@@ -386,12 +393,8 @@ def run_to_folder(
 
 
 def _get_ready(parts: tuple[Part, ...]) -> None:
-    """In the helper process: parts whose values will come, and what takes long to import, while the aircraft flies."""
+    """In the helper process: parts whose values will come; this module, and all it imports, came while one flies."""
     load_parts(parts)
-    from sim.reporting.figures.flight import charts  # noqa: F401
-    from sim.reporting.figures.style import get_ready
-
-    get_ready()
 
 
 def report(result: Result, folder: Path) -> None:
@@ -403,7 +406,7 @@ def report(result: Result, folder: Path) -> None:
     from sim.reporting.run_page import write
 
     with timed(result.timing, "report_s"):
-        resolved = {**result.scenario.tables, "designed": result.prepared.gains.to_table()}
+        resolved = {**result.scenario.tables, "designed": result.prepared.design}
         (folder / "scenario.toml").write_text(dumps(resolved), encoding="utf-8")
         write_json(folder / "metrics.json", result.metrics)
         write_npz(folder / "flight.npz", flight_arrays(result.flight.whole))

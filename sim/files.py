@@ -35,7 +35,7 @@ DAMAGED = (
     *(OSError, ValueError, LookupError, TypeError, AttributeError, EOFError, RuntimeError, MemoryError),
     *(zipfile.BadZipFile, zlib.error),
 )  # what reading a file that is not what it should be may raise
-KINDS = {"run": "a run", "study": "a study", "claims": "the claims"}
+KINDS = {"run": "a run", "study": "a study", "claims": "the claims", "identification": "identified laws"}
 
 
 def claim(folder: Path, what: str) -> None:
@@ -65,6 +65,15 @@ def refuse_foreign(folder: Path, what: str) -> None:
                 raise OutputError(f"{folder}: holds {KINDS[holds]}, not {KINDS[what]}; choose another folder with -o")
     except OSError as error:
         raise OutputError(f"{folder}: cannot be read: {error.strerror}") from None
+
+
+def refuse_unwritten(folder: Path) -> None:
+    """Raise ``OutputError`` for a folder that is not of a run or a study, or holds links."""
+    if not folder.is_dir():
+        raise OutputError(f"{folder}: no such folder; name the folder that 'shortfinal run' or 'study' wrote")
+    if not (folder / MARK).is_file():
+        raise OutputError(f"{folder}: not a run folder; name one that 'shortfinal run' or 'study' wrote")
+    refuse_links(folder)
 
 
 def refuse_links(folder: Path) -> None:
@@ -219,6 +228,25 @@ def write_npz(path: Path, arrays: dict[str, Any]) -> None:
     """
     with path.open("wb") as file:
         np.savez(file, allow_pickle=False, **{name: np.asarray(array) for name, array in arrays.items()})
+
+
+@contextlib.contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """A file to be written under another name, which takes the place of ``path`` once it is done, and else is deleted.
+
+    Raises ``OutputError`` where that cannot be.
+    """
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        try:
+            partial.unlink(missing_ok=True)
+            yield partial
+            with unstopped():
+                os.replace(partial, path)
+        finally:
+            partial.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
 
 
 def replace(path: Path, text: str) -> None:

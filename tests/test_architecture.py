@@ -48,10 +48,11 @@ CONFINED = {
     "jsbsim": ("aircraft/",),
     "control": ("autopilot/",),
     "filterpy": ("tracking/filterpy_adapter.py",),
-    "matplotlib": ("sim/reporting/", "sim/studies/figures.py"),
+    "matplotlib": ("sim/reporting/drawing/matplotlib_backend.py",),
+    "contourpy": ("sim/reporting/drawing/contours.py",),
     "jinja2": ("sim/reporting/page.py",),
     "distributed": ("sim/workers/cluster.py",),
-    "pyarrow": ("sim/cli/export.py",),
+    "pyarrow": ("sim/cli/export.py", "sim/interchange/track_writer.py", "sim/interchange/tables.py"),
 }
 HEAVY = (*CONFINED, "scipy")  # what a user who asks for help should not wait for
 
@@ -299,7 +300,7 @@ def test_nothing_is_inherited():
         name for name, thing in vars(builtins).items() if isinstance(thing, type) and issubclass(thing, Exception)
     }
     allowed = {"NamedTuple", "Protocol"} | exceptions
-    outside = ("jsbsim.", "BaseModel", "pytest.", "HTMLParser")
+    outside = ("jsbsim.", "BaseModel", "pytest.", "HTMLParser", "Mapping[")
     wrong = [
         f"{path}: {node.name}({ast.unparse(base)})"
         for path, tree in sources()

@@ -1,4 +1,4 @@
-"""tracking.conformance"""
+"""Page's test on the model probabilities of a tracker that has intents: is the assumed law left?"""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tracking.track import Track, intents_of
+from tracking.track import ARMED, Track, intents_of
 
 UNLIKELY = 1e-300  # so little is left of a hypothesis that a look rules out
+BELIEVED = 40.0  # s, for which an armed law has to be more probable than not before it is taken to be flown
 
 
 class Watched(NamedTuple):
@@ -30,7 +31,11 @@ class Watched(NamedTuple):
 
 @dataclass(frozen=True)
 class ConformanceTest:
-    """Page's test for a change from the assumed law to anything else [beyond the papers]."""
+    """Page's test for a change from the assumed law to anything else [beyond the papers].
+
+    The test of a tracker for which the law may only be armed begins once the law has been more probable than not for
+    `BELIEVED` seconds on end: who flies a heading leaves no law. All others assume that the law flies from the start.
+    """
 
     looks_between_false_alarms: float = 1000.0  # at least, on average
 
@@ -66,10 +71,11 @@ class ConformanceTest:
         belief = {
             name: after[:, np.array([other == name for other in names])].sum(axis=1) for name in dict.fromkeys(names)
         }
+        flown = _flown(belief[names[0]], np.asarray(track.time)) if ARMED in names else np.ones(evidence.shape, bool)
         sums = np.empty_like(evidence)
         total: Any = 0.0
         for row, look in enumerate(evidence):
-            total = sums[row] = self.step(total, look, belief[names[0]][row])
+            total = sums[row] = np.where(flown[row], self.step(total, look, belief[names[0]][row]), 0.0)
         return Watched(track.time, names[0], belief, sums, self.limit)
 
 
@@ -80,3 +86,10 @@ def _log_odds(weights: np.ndarray, assumed: np.ndarray) -> np.ndarray:
     """Logarithm of the odds (k, draws) against the assumed law."""
     against, by = weights[:, ~assumed].sum(axis=1), weights[:, assumed].sum(axis=1)
     return np.asarray(np.log(np.maximum(against, UNLIKELY)) - np.log(np.maximum(by, UNLIKELY)))
+
+
+def _flown(belief: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """(k, draws) bool: whether the law has ever been more probable than not for `BELIEVED` seconds on end."""
+    since = np.where(belief > 0.5, -np.inf, time[:, None])  # the last look at which it was not
+    since = np.maximum(np.maximum.accumulate(since, axis=0), time[0])
+    return np.asarray(np.maximum.accumulate(time[:, None] - since >= BELIEVED, axis=0))

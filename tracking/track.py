@@ -39,6 +39,7 @@ from tracking.gaussian import Gaussian, Innovation, Mixture, lift, merge
 from tracking.tree import choose
 
 LAW, ACCURACY = "law", "noise"  # how names of hypotheses begin, see `modes_of`
+MANUAL, ARMED = "manual", "armed"  # intents of free flight, and of a heading held until a law engages: `intents_of`
 # m, or the unit of a channel: a quarter of the Earth's circumference. Squares of what is farther, beside a variance of
 # 1 m2, have no digits left in double precision (1e14 of 1e16), and covariances turn negative.
 FARTHEST = 1e7
@@ -188,8 +189,8 @@ def modes_of(tracker: Any) -> tuple[str, ...]:
 def intents_of(tracker: Any) -> tuple[str, ...]:
     """Whom each hypothesis of a tracker says the aircraft follows, the assumed law first; () = it says nothing of that.
 
-    A tracker that does also answers ``switched(probabilities (k, M, *B), dt (k, 1, 1) s)``: what they are dt later
-    before anything is measured.
+    One among them that is `ARMED` says that the law need not be flown from the start. A tracker that has intents also
+    answers ``switched(probabilities (k, M, *B), dt (k, 1, 1) s)``: what they are dt later before anything is measured.
     """
     return tuple(getattr(tracker, "intents", ()))
 

@@ -7,27 +7,26 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from sim.claims import plots_of
 from sim.claims.ledger import Row
 from sim.claims.plots import Plot
 from sim.claims.row_cache import FILE
 from sim.claims.table import figure, interval, judged, runs, summary
 from sim.files import staged, write_json
+from sim.reporting.drawing.figure import Drawing, Panel
+from sim.reporting.drawing.marks import numbers
 from sim.reporting.figures import style
-from sim.reporting.page import rendered
+from sim.reporting.page import picture, rendered
 from sim.reporting.text.labels import ABSENT
 from sim.reporting.tracker_figures.tracking_errors import logarithmic
 from sim.workers.sharing import current
 
 HEIGHT = 2.4  # in
-LOOKS: dict[str, dict[str, Any]] = {
-    "line": {"linestyle": "-"},
-    "dashed": {"linestyle": (0, style.DASHED)},
-    "dots": {"linestyle": "none", "marker": ".", "markersize": 2.0},
-    "places": {"linestyle": "none", "marker": "^", "markersize": 5.0},
-    "marks": {"linestyle": "none", "marker": "o", "markersize": 4.0},
+ROOM = 0.05  # of the width, at either side of points with names
+DOTS: dict[str, dict[str, Any]] = {
+    "dots": {"size": 2.0},
+    "places": {"marker": "^", "size": 5.0},
+    "marks": {"marker": "o", "size": 4.0},
 }
 
 
@@ -48,8 +47,7 @@ def write(folder: Path, rows: Sequence[Row], seed: int) -> None:
 
 def charts_of(paper: str, seed: int) -> list[style.Chart]:
     """The figures of one paper."""
-    with style.drawing():
-        return [chart(plot) for plot in plots_of(paper, seed)]
+    return [chart(plot) for plot in plots_of(paper, seed)]
 
 
 def page(title: str, rows: Sequence[Row], charts: dict[str, list[style.Chart]], seed: int) -> str:
@@ -57,7 +55,11 @@ def page(title: str, rows: Sequence[Row], charts: dict[str, list[style.Chart]], 
     counts = Counter(row.verdict for row in rows if row.verdict is not None)
     told = ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
     papers = [
-        {"name": paper, "rows": [_row(row) for row in rows if row.paper == paper], "charts": charts.get(paper, [])}
+        {
+            "name": paper,
+            "rows": [_row(row) for row in rows if row.paper == paper],
+            "charts": [*map(picture, charts.get(paper, ()))],
+        }
         for paper in dict.fromkeys(row.paper for row in rows)
     ]
     sentence = f"{sum(counts.values())} claims: {told}." if counts else "Measured."
@@ -96,19 +98,32 @@ def chart(plot: Plot) -> style.Chart:
     drawn, (axes,) = style.panels(HEIGHT * (1.6 if plot.equal or named else 1.0))
     colours = iter(style.TRACKERS)
     for curve in plot.curves:
-        look: dict[str, Any] = LOOKS[curve.look]
+        x, y = numbers(curve.x), numbers(curve.y)
         colour = style.GREY if curve.look in ("dots", "places") else next(colours)
-        axes.plot(np.asarray(curve.x), np.asarray(curve.y), color=colour, label=curve.label, **look)
-        for x, y, name in zip(curve.x, curve.y, curve.names, strict=False):
-            axes.annotate(name, (x, y), (2, -4), textcoords="offset points", rotation=-50, va="top", fontsize="small")
-    if named:
-        axes.margins(x=0.1)  # room for the last name
+        if curve.look in DOTS:
+            axes.points(x, y, colour=colour, label=curve.label, **DOTS[curve.look])
+        else:
+            dashes = style.DASHES[0] if curve.look == "dashed" else style.SOLID
+            axes.line(x, y, colour=colour, dashes=dashes, label=curve.label)
+        for right, up, name in zip(x, y, curve.names, strict=False):
+            axes.words(name, right, up, right=2.0, up=-4.0, turn=50.0, above=0.5, anchor="start", size=6.7, free=True)
+    axes.x.label, axes.y.label = plot.x, plot.y
+    if named:  # room for the last name
+        left, right = drawn.limits(axes.x)
+        axes.x.limits = left - ROOM * (right - left), right + ROOM * (right - left)
     if plot.logarithmic:
         logarithmic(axes)
     if plot.equal:
-        axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel(plot.x)
-    axes.set_ylabel(plot.y)
+        _equal(drawn, axes)
     if len(plot.curves) > 1:
-        axes.legend(loc="best")
-    return style.Chart(f"{plot.figure}: {plot.title}", style.data_uri(drawn), plot.caption)
+        drawn.legend = [axes.labelled]
+    return style.Chart(f"{plot.figure}: {plot.title}", drawn, plot.caption)
+
+
+def _equal(drawn: Drawing, axes: Panel) -> None:
+    """One scale on both axes; what is drawn lies in the middle."""
+    (left, right), (low, high) = drawn.limits(axes.x), drawn.limits(axes.y)
+    scale = max((right - left) / axes.box.width, (high - low) / axes.box.height) / 2
+    across, up = (left + right) / 2, (low + high) / 2
+    axes.x.limits = across - scale * axes.box.width, across + scale * axes.box.width
+    axes.y.limits = up - scale * axes.box.height, up + scale * axes.box.height

@@ -77,16 +77,27 @@ def run(
     as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
 ) -> None:
     """Fly, observe, track and report a scenario."""
-    from sim import experiment
-
-    overrides = _overrides(sets, seed=seed, flights=flights, draws=draws)
     if flight is not None and workers > 1:
         raise ScenarioError("run: say --flight or -j, not both: one flight has no work to share")
+    overrides = _overrides(sets, seed=seed, flights=flights, draws=draws)
+    _run(scenario, overrides, out, plugins, as_json, flight=flight, workers=workers)
+
+
+def _run(
+    scenario: str | dict[str, Any],
+    overrides: dict[str, Any],
+    out: Path | None,
+    plugins: list[Path] | None,
+    as_json: bool,
+    **how: Any,
+) -> None:
+    """Run a scenario into a folder and say what came of it."""
+    from sim import experiment
 
     def remark(sentence: str) -> None:
         typer.echo(f"warning: {sentence}", err=as_json)
 
-    given = {"progress": _progress(), "plugins": plugins or (), "flight": flight, "workers": workers, "remark": remark}
+    given = {"progress": _progress(), "plugins": plugins or (), "remark": remark, **how}
     folder, result = experiment.run_to_folder(scenario, overrides, out, **given)
     if as_json:
         typer.echo((folder / "metrics.json").read_text(encoding="utf-8"), nl=False)
@@ -98,6 +109,22 @@ def run(
         typer.echo(summary(result.metrics, again, result.prepared.warnings, result.contrasted))
         typer.echo(f"report: {folder / 'report.html'}")
     raise typer.Exit(_exit_code(result.metrics))
+
+
+@app.command()
+def record(
+    tracks: Annotated[Path, typer.Argument(help="Recorded tracks, CSV or Parquet.")],
+    runway: Annotated[Path, typer.Option(metavar="FILE", help="TOML file with a table [runway], and [air] if known.")],
+    flight: Annotated[str | None, typer.Option(metavar="ID", help="Which flight, where there are several.")] = None,
+    out: Out = None,
+    sets: Sets = None,
+    plugins: Plugins = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
+) -> None:
+    """Observe, track and report a recorded flight; the scenario lies in the folder of the run."""
+    from sim.scenario.recording.completion import scenario_of
+
+    _run(scenario_of(tracks, runway, flight), _overrides(sets), out, plugins, as_json)
 
 
 Cluster = Annotated[
@@ -339,17 +366,67 @@ def doctor(
 
 
 @app.command()
+def identify(
+    tracks: Annotated[Path, typer.Argument(help="A file of recorded tracks, or the folder of a run.")],
+    runway: Annotated[Path | None, typer.Option("--runway", metavar="FILE", help="TOML with a [runway] table.")] = None,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder to write; default out/identify_NAME.")] = None,
+    leg: Annotated[int | None, typer.Option(min=0, help="Leg of the route that is captured; default the last.")] = None,
+    plugins: Plugins = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print identification.json instead of the table.")] = False,
+) -> None:
+    """Fit the route law to each capture of recorded tracks, or of a run."""
+    from sim.cli.terminal import table
+    from sim.studies.identification.command import LAW, NUMBERS, PAGE, identify_to_folder, summary
+
+    folder, found = identify_to_folder(tracks, runway, out, leg, plugins or (), _progress())
+    if as_json:
+        typer.echo((folder / NUMBERS).read_text(encoding="utf-8"), nl=False)
+        return
+    typer.echo(summary(found, table))
+    written = (folder / name for name in (PAGE, LAW) if (folder / name).is_file())
+    typer.echo("\n".join(f"wrote {path}" for path in written))
+
+
+@app.command()
 def export(
     folder: Annotated[Path, typer.Argument(help="A run folder or a study folder.")],
     csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
     parquet: Annotated[bool, typer.Option("--parquet", help="Parquet, for large records.")] = False,
+    tracks: Annotated[
+        bool, typer.Option("--tracks", help="The flights as recordings of traffic, and their runway.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="With --tracks: NAME.csv or NAME.parquet; default in the folder.")
+    ] = None,
+    date: Annotated[
+        str | None, typer.Option(metavar="DATE", help="With --tracks: when the first flight begins, ISO 8601, UTC.")
+    ] = None,
+    workers: Annotated[
+        int, typer.Option("-j", "--workers", min=1, help="With --tracks: processes that fly flights again.")
+    ] = 1,
+    plugins: Plugins = None,
 ) -> None:
     """Write the records of a run, or the flights of a study, for other programs."""
     from sim.cli.export import export as write
+    from sim.cli.export import export_tracks
 
     kinds = [name for name, asked in (("csv", csv), ("parquet", parquet)) if asked]
+    if tracks:
+        if kinds:
+            raise OutputError(
+                "say --tracks alone: the ending of its file, -o NAME.csv or NAME.parquet, says the format"
+            )
+        found = export_tracks(folder, out, date, workers, plugins or (), _progress())
+        typer.echo(f"wrote {found.files[0]}: {found.flights} flights, {found.rows} rows")
+        typer.echo(f"wrote {found.files[1]}")
+        if found.lost:
+            typer.echo(printable(f"warning: {len(found.lost)} flights are not there; {found.lost[0]}"))
+            raise typer.Exit(FLIGHTS_CRASHED)
+        return
+    if out is not None or date is not None or workers > 1:
+        raise OutputError("-o, --date and -j go with --tracks")
     if not kinds:
-        raise OutputError("say which format: --csv or --parquet")
+        raise OutputError("say what: --csv, --parquet or --tracks")
     for kind in kinds:
         for path in write(folder, kind):
             typer.echo(f"wrote {path}")

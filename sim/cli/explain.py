@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from datetime import UTC, datetime
 
 from aircraft.errors import TrimError
 from aircraft.linearise import linearise
@@ -16,7 +17,9 @@ from sim.estimation.setup import check, told
 from sim.flight import swings
 from sim.flight.departures import in_words
 from sim.flight.preparation import MODEL_TIME_LIMIT, Prepared, prepare
+from sim.flight.record import Flight, runs
 from sim.flight.weather import words
+from sim.interchange.clocks import in_words as clock_words
 from sim.metrics import windshear
 from sim.observation import faults
 from sim.scenario.model import Scenario
@@ -29,7 +32,9 @@ def explain(scenario: Scenario) -> str:
     prepared = prepare(scenario)
     check(prepared)
     parts = [_head(prepared), _route(prepared)]
-    if scenario.aircraft.model != "point_mass":
+    if prepared.recording is not None:
+        parts.append(_recording(prepared.recording))
+    elif scenario.aircraft.model != "point_mass":
         parts.append(run_isolated(scenario, MODEL_TIME_LIMIT, _aircraft, prepared))
         parts += windshear.outlook(prepared)
     parts.append(f"law {scenario.mode}: {_law(prepared)}")
@@ -71,7 +76,24 @@ def explain(scenario: Scenario) -> str:
 def _head(prepared: Prepared) -> str:
     s = prepared.scenario
     mass = f", {s.aircraft.mass:.0f} kg" if s.aircraft.mass else ""
-    return f"{s.name}: {s.aircraft.model}{mass}; {'; '.join(words(s))}; seed {s.seed}"
+    flies = f"{s.aircraft.model}{mass}" if s.record is None else f"a flight recorded in {s.record.file}"
+    if s.record is not None and not s.record.known:
+        flies = "a flight that only recorded plots tell of"
+    return "; ".join((f"{s.name}: {flies}", *words(s), f"seed {s.seed}"))
+
+
+def _recording(flight: Flight) -> str:
+    """When it was, how long, and its phases where they are known."""
+    if not flight.known:
+        at = "" if flight.utc is None else f" from {clock_words(flight.utc + flight.time[0], True)}"
+        return f"plots{at} for {flight.time[-1] - flight.time[0]:.0f} s; {flight.reason}"
+    date = datetime.fromtimestamp(flight.utc or 0.0, UTC).isoformat(sep=" ", timespec="seconds")
+    rows: list[tuple[str, ...]] = [("phase", "from s", "m from the threshold", "height m", "ground speed m/s")]
+    for first, _ in runs(flight.phase):
+        s = flight.state
+        figures = s.time[first], math.hypot(s.north[first], s.east[first]), s.height[first], s.ground_speed[first]
+        rows.append((flight.phases[int(flight.phase[first])], *(f"{figure:.0f}" for figure in figures)))
+    return f"recorded from {date} for {flight.time[-1]:.0f} s; {flight.reason}\n" + "\n".join(table(rows, 1))
 
 
 def _route(prepared: Prepared) -> str:
@@ -85,8 +107,8 @@ def _route(prepared: Prepared) -> str:
         speeds = f"{leg.speed:.1f}", f"{leg.speed * air.equivalent_share(leg.height):.1f}"
         rows.append((str(number), f"{course:.1f}", f"{leg.length:.0f}", *speeds, f"{leg.height:.0f}", turn))
     landing = prepared.autopilot.landing
-    end = ""
-    if landing is not None:
+    end = "" if prepared.scenario.has_route else "\nthe final of the runway, without speeds, since no route is told"
+    if landing is not None and not end:
         end = (
             f"\nglide path {math.degrees(landing.glide_path):.2f} deg at {landing.approach_speed:.1f} m/s true, "
             f"{landing.approach_speed * air.equivalent_share(prepared.route.legs[-1].height):.1f} equivalent where it "
@@ -140,6 +162,8 @@ def _aircraft(prepared: Prepared) -> str:
 
 def _law(prepared: Prepared) -> str:
     """The law's own description, and for a route law that flies an aircraft the margins of its loop."""
+    if prepared.recording is not None:
+        return f"as trackers are told, whatever was flown\n{prepared.law.explain()}"
     text = f"{prepared.law.explain()}; bank loop {prepared.designed.bank_bandwidth:.2f} rad/s"
     route_law = LateralNavigation.of(prepared.law)
     return f"{text}\n{_route_loop(prepared, route_law)}" if route_law and prepared.has_route_loop else text

@@ -10,18 +10,22 @@ import json
 import math
 import os
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sim.errors import OutputError
-from sim.files import DAMAGED, MARK, opened, read_bytes, refuse_links, staged
+from sim.files import DAMAGED, opened, read_bytes, refuse_unwritten, staged
 from sim.metrics.contrasts.pairing import TABLES
 from sim.reporting.run_files import with_unit
 from sim.scenario.schema import NAME
 from sim.studies.folder import IDENTITY, stamp
 from sim.studies.kept import flight_log
+
+if TYPE_CHECKING:
+    from sim.studies.recordings import Written
 
 RECORDS = ("flight", "measurements", "tracks")
 METRICS = "metrics.json"
@@ -48,13 +52,28 @@ def export(folder: Path, kind: str) -> list[Path]:
     return [folder / name for name in tables]
 
 
+def export_tracks(
+    folder: Path, out: Path | None, date: str | None, workers: int, plugins: Any, progress: Any
+) -> Written:
+    """Write the flights of a folder as recordings of traffic.
+
+    ``date`` is when the first flight begins, ISO 8601, in UTC where it names no zone.
+    """
+    from sim.studies.recordings import DATE, write_recordings
+
+    begins = DATE
+    if date is not None:
+        try:
+            told = datetime.fromisoformat(date)
+        except ValueError:
+            raise OutputError(f"--date {date}: write it as 2026-01-01T12:00:00Z") from None
+        begins = (told if told.tzinfo is not None else told.replace(tzinfo=UTC)).timestamp()
+    return write_recordings(folder, out, date=begins, workers=workers, plugins=plugins, progress=progress)
+
+
 def _tables(folder: Path) -> dict[str, Columns]:
     """Every table of a folder by its name."""
-    if not folder.is_dir():
-        raise OutputError(f"{folder}: no such folder; name the folder that 'shortfinal run' or 'study' wrote")
-    if not (folder / MARK).is_file():
-        raise OutputError(f"{folder}: not a run folder; name one that 'shortfinal run' or 'study' wrote")
-    refuse_links(folder)
+    refuse_unwritten(folder)
     if (folder / IDENTITY).is_file():
         return {"flights": _flights(folder)}
     found: dict[str, Columns] = {}

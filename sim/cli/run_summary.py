@@ -11,6 +11,7 @@ from sim.metrics.ensemble.exceedance import answer
 from sim.metrics.navigation import beside
 from sim.reporting.text.broken_checks import Again, broken_checks, chosen
 from sim.reporting.text.rows import flights_of
+from sim.reporting.without_truth.tables import plot_tables
 
 MOST_REASONS = 3  # of flights that crashed, or were refused
 SHOWN = {"position_m", "cross_track_m"}  # where a tracker has them; the report has every channel
@@ -41,6 +42,10 @@ def summary(metrics: dict[str, Any], again: Again, said: Sequence[str] = (), con
     if rows:
         header = ["tracker", "channel", "rmse", "raw", "gain"]
         lines += ["", *table([header, *([*row[:2], *map(_number, row[2:])] for row in rows)], 2)]
+    alone = plot_tables(metrics["trackers"])
+    if alone:
+        shown = alone[0]
+        lines += ["", *table([shown.header, *shown.rows], shown.lefts)]
     if any(one["overall"] for one in metrics.get("contrasts", ())):
         lines += ["", *_contrasts(metrics["contrasts"])]
     twin = beside(flight)

@@ -14,6 +14,7 @@ from sim.errors import ScenarioError
 from sim.estimation.clutter import AmongFalsePlots
 from sim.flight.preparation import Prepared
 from sim.metrics.conformance import MISMATCHED
+from sim.observation.record import refuse_unknown
 from sim.observation.sensor import unplaced
 from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
@@ -176,6 +177,8 @@ def check(prepared: Prepared, own: dict[str, Any] | None = None) -> None:
 
     ``own`` are trackers of the caller by name.
     """
+    if prepared.recording is not None:
+        refuse_unknown(prepared.recording, prepared.scenario.sensors)
     for name, sensor in prepared.scenario.sensors.items():
         for sentence in unplaced(sensor):
             raise ScenarioError(f"[sensors.{name}] {sentence}")
@@ -217,8 +220,13 @@ def assumed_law(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
 
 
 def charted_route(prepared: Prepared) -> Any:
-    """The route with the speeds that its chart shows: of each leg, and of the glide path where the last leg has one."""
+    """The route with the speeds that its chart shows: of each leg, and of the glide path where the last leg has one.
+
+    A recording for which no route is told has a final without speeds.
+    """
     route, landing = prepared.route, prepared.autopilot.landing
+    if not prepared.scenario.has_route:
+        return route
     last = len(route.legs) - 1
     # the glide path begins where it leaves the height of the leg
     glide = () if landing is None else ((last, route.legs[last].height / landing.slope, landing.approach_speed),)
@@ -255,7 +263,7 @@ def measurement_model(prepared: Prepared, sensors: dict[str, Any], name: str) ->
     """
     models: list[MeasurementModel] = []
     for sensor_name, sensor in sensors.items():
-        model = _model(prepared, sensor)
+        model = sensor_model(prepared, sensor)
         if model is None:
             raise ScenarioError(
                 f"[trackers.{name}] sensors: '{sensor_name}' measures {_listed(sensor)}, which is no position; "
@@ -281,7 +289,7 @@ def _listed(sensor: Any) -> str:
     return ", ".join(sensor.channels)
 
 
-def _model(prepared: Prepared, sensor: Any) -> MeasurementModel | None:
+def sensor_model(prepared: Prepared, sensor: Any) -> MeasurementModel | None:
     """How one sensor is read; None = it measures nothing of a place on the ground plane."""
     channels = sensor.channels
     used: tuple[str, ...]

@@ -13,14 +13,18 @@ from sim.estimation.batching import can_batch, repeat_runs, split_track, stack_l
 from sim.estimation.look_ahead import LookAhead, Looks, instants_of, look_ahead_rmse
 from sim.estimation.prior import prior
 from sim.estimation.setup import adopt, build, height_profile, listened
+from sim.estimation.without_truth.judged import figures_from_plots, with_agreement
+from sim.estimation.without_truth.places import places
+from sim.estimation.without_truth.predicted_plots import PredictedPlots
+from sim.estimation.without_truth.two_plots import two_plot_start
 from sim.flight.outcomes import ROLLOUT
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics import conformance
 from sim.metrics.alarms import monitoring
 from sim.metrics.contrasts.squares import squared_errors
-from sim.metrics.error_curves import ErrorCurves, error_curves
-from sim.metrics.tracker import TrackerErrors, plot_errors, tracker_errors, tracker_metrics
+from sim.metrics.error_curves import ErrorCurves, curves_without_truth, error_curves
+from sim.metrics.tracker import TrackerErrors, plot_errors, skipped, tracker_errors, tracker_metrics
 from sim.observation.record import SensorRecord, measurements
 from sim.observation.sensor import quantity_of
 from sim.workers.sharing import current
@@ -80,11 +84,14 @@ def track(
             "monitor": None,
         }  # fmt: skip
         seen = _between(arrived[one.sensors], -math.inf, float(flight.time[-1]))
-        start = begins(prepared, one.name, one.sensors, seen, flight)
+        if flight.known:
+            start = begins(prepared, one.name, one.sensors, seen, flight)
+        else:
+            start = _begun_by_plots(watch, one, seen)
         if start is not None:  # otherwise never in sight: n/a, not an error
             entries.append(Entry(*one, start))
     since = {
-        (sensors, start): _between(arrived[sensors], start, math.inf)
+        (sensors, start): _between(arrived[sensors], _first(flight, start), math.inf)
         for sensors, start in dict.fromkeys((entry.sensors, entry.start) for entry in entries)
     }
     groups = sorted(_groups(entries), key=lambda group: (group[0].name in own, -_size(group)))
@@ -99,6 +106,9 @@ def track(
                 entry.tracker, entry.law_from, until, outcome.track, outcome.curves, outcome.rollout, outcome.squares
             )
             figures[entry.name] |= outcome.figures
+    if not flight.known:
+        known = {entry.name: _sensors_of(watch, entry.sensors) for entry in entries}
+        with_agreement(figures, {name: (tracked[name].track, sensors) for name, sensors in known.items()})
     return {name: tracked[name] for name in every if name in tracked}, figures
 
 
@@ -150,10 +160,15 @@ class Outcome(NamedTuple):
 def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Outcome]:
     """Tracks and figures of trackers that run as one batch over a record."""
     flight, first = watch.flight, group[0]
-    begun = _prior(watch, first.name, first.tracker, first.start)
-    sensors = {name: watch.prepared.scenario.sensors[name] for name in first.sensors}
+    begun = _prior(watch, first, first.tracker, first.start)
+    sensors = _sensors_of(watch, first.sensors)
     trackers = [entry.tracker for entry in group]
-    ahead = LookAhead(trackers, flight, instants_of(flight, watch.records), record.arrival, sensors)
+    ahead: Any
+    if flight.known:
+        ahead = LookAhead(trackers, flight, instants_of(flight, watch.records), record.arrival, sensors)
+    else:
+        seen = places(watch.prepared, sensors, measurements(watch.records, first.sensors))
+        ahead = PredictedPlots(trackers, record.arrival, seen)
     one = stack_laws(trackers, record.z.shape[2])
     try:
         made = run_tracker(one, *repeat_runs(record, begun, len(group)), first.start, ahead)
@@ -164,6 +179,11 @@ def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Ou
         looks = ahead.looks()
     except TrackerError as error:
         raise ScenarioError(f"[trackers.{first.name}] {error}") from error
+    if not flight.known:
+        return [
+            _judged_by_plots(watch, entry, own, figures_from_plots(own, entry.start, seen, predicted))
+            for entry, own, predicted in zip(group, tracks, looks, strict=True)
+        ]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
         end = float(flight.time[-1])
         until, after = _between(record, -math.inf, end), _between(record, math.nextafter(end, math.inf), math.inf)
@@ -219,19 +239,37 @@ def _with_phase(tables: dict[str, Any], rolling: dict[str, Any]) -> dict[str, An
 
 def _judged(watch: Watch, entry: Entry, made: Track, errors: TrackerErrors, looked: Looks) -> Outcome:
     """One track with its figures and curves; ``looked`` are the figures of its look-ahead."""
-    seen = CONFORMANCE.watch(entry.tracker, made)
     figures = {
         "look_ahead": look_ahead_rmse(looked),
         **tracker_metrics(watch.flight, made, errors),
-        "conformance": conformance.figures(seen, watch.prepared.departure),
-        "monitor": monitoring.figures(made, watch.prepared.fault(entry.sensors)),
+        **_watched(watch, entry, made),
     }
-    sensors = {name: watch.prepared.scenario.sensors[name] for name in entry.sensors}
+    sensors = _sensors_of(watch, entry.sensors)
     curves = error_curves(watch.flight, sensors, made, errors)
     contrasted = any(entry.name in (one.of, one.against) for one in watch.prepared.scenario.contrasts)
     squares = {**squared_errors(watch.flight, made, errors), "look_ahead": looked} if contrasted else None
     # covariances are most of a run's memory, and only maps still read them
     return Outcome(made._replace(cov=made.cov.astype(np.float32)), curves, figures, squares=squares)
+
+
+def _judged_by_plots(watch: Watch, entry: Entry, made: Track, figures: dict[str, Any]) -> Outcome:
+    """One track with its figures and curves where no truth is known."""
+    curves = curves_without_truth(watch.flight, _sensors_of(watch, entry.sensors), made)
+    return Outcome(made._replace(cov=made.cov.astype(np.float32)), curves, figures | _watched(watch, entry, made))
+
+
+def _watched(watch: Watch, entry: Entry, made: Track) -> dict[str, Any]:
+    """What tests on a track found."""
+    seen = CONFORMANCE.watch(entry.tracker, made)
+    return {
+        "conformance": conformance.figures(seen, watch.prepared.departure, watch.flight.is_recorded),
+        "monitor": monitoring.figures(made, watch.prepared.fault(entry.sensors)),
+        **skipped(made),
+    }
+
+
+def _sensors_of(watch: Watch, names: tuple[str, ...]) -> dict[str, Any]:
+    return {name: watch.prepared.scenario.sensors[name] for name in names}
 
 
 def _groups(entries: list[Entry]) -> list[list[Entry]]:
@@ -272,6 +310,25 @@ def begins(
     return float(record.arrival[seen].min())
 
 
+def _begun_by_plots(watch: Watch, one: SetUp, record: Measurements) -> float:
+    """When a track begins of which only plots are known, s: with the second of them.
+
+    Raises ``ScenarioError`` for fewer plots than it takes.
+    """
+    begun = two_plot_start(watch.prepared, one.name, _sensors_of(watch, one.sensors), record, one.tracker.channels)
+    if begun is None or not (record.arrival > begun.time).any():
+        raise ScenarioError(
+            f"[trackers.{one.name}] a track without truth begins from two plots and is judged by those after, and "
+            f"{', '.join(one.sensors)} gave {len(record.time)}"
+        )
+    return begun.time
+
+
+def _first(flight: Flight, start: float) -> float:
+    """From when on a track takes in what arrives: two plots with which it begins are in it already."""
+    return start if flight.known else math.nextafter(start, math.inf)
+
+
 def _between(record: Measurements, first: float, last: float) -> Measurements:
     """What arrives from ``first`` to ``last`` (s): views, since a record is in order of arrival."""
     arrival = record.arrival
@@ -282,32 +339,48 @@ def _between(record: Measurements, first: float, last: float) -> Measurements:
     )
 
 
-def _prior(watch: Watch, name: str, tracker: Any, start: float) -> Gaussian:
-    """What is known when a track begins: the estimate that is handed over, else the truth with an error."""
+def _prior(watch: Watch, one: SetUp | Entry, tracker: Any, start: float) -> Gaussian:
+    """What is known when a track begins: the estimate that is handed over, else the truth with an error.
+
+    Without a truth it is what two plots say.
+    """
     scenario = watch.prepared.scenario
-    choice = scenario.trackers.get(name)
-    if choice is not None and choice.handover is not None:
-        handed = _handed_over(watch, choice.handover, tracker.channels, start)
+    if one.handover is not None:
+        handed = _handed_over(watch, one.handover, tracker.channels, start)
         if handed is not None:
             return handed
+    if not watch.flight.known:
+        seen = measurements(watch.records, one.sensors)
+        begun = two_plot_start(watch.prepared, one.name, _sensors_of(watch, one.sensors), seen, tracker.channels)
+        assert begun is not None, "a track begins with its second plot"
+        return begun.prior
     draws = next(iter(watch.records.values())).z.shape[2]
     try:
         return prior(watch.flight, scenario.sensors, tracker.channels, start, scenario.seed, watch.number, draws)
     except KeyError as error:
-        raise ScenarioError(f"[trackers.{name}] nothing is known of its component {error} when it begins") from None
+        raise ScenarioError(f"[trackers.{one.name}] nothing is known of its component {error} when it begins") from None
 
 
 def _handed_over(watch: Watch, name: str, wanted: tuple[str, ...], start: float) -> Gaussian | None:
-    """The estimate of tracker ``name`` at ``start`` from all measurements before; None = it had none yet."""
-    tracker, sensors = watch.trackers[name], watch.prepared.scenario.trackers[name].sensors
-    record = _between(measurements(watch.records, sensors), -math.inf, math.nextafter(start, -math.inf))
-    begun = begins(watch.prepared, name, sensors, record, watch.flight)
+    """The estimate of tracker ``name`` at ``start`` from all measurements before; None = it had none yet.
+
+    Without a truth those at ``start`` are in it, because the track that it begins takes in none of them.
+    """
+    tracker, choice = watch.trackers[name], watch.prepared.scenario.trackers[name]
+    one = SetUp(name, choice.kind, tracker, None, choice.sensors, choice.handover)
+    last = math.nextafter(_first(watch.flight, start), -math.inf)
+    record = _between(measurements(watch.records, choice.sensors), -math.inf, last)
+    if watch.flight.known:
+        begun = begins(watch.prepared, name, choice.sensors, record, watch.flight)
+    else:
+        found = two_plot_start(watch.prepared, name, _sensors_of(watch, choice.sensors), record, tracker.channels)
+        begun = None if found is None or not (record.arrival > found.time).any() else found.time
     if begun is None:
         return None
-    before = _prior(watch, name, tracker, begun)
+    before = _prior(watch, one, tracker, begun)
     try:
-        *_, last = follow(tracker, _between(record, begun, math.inf), before, start=begun)
-        estimate = believed(tracker, stepped(tracker, last.state, start - last.time)[0])
+        *_, last_epoch = follow(tracker, _between(record, _first(watch.flight, begun), math.inf), before, start=begun)
+        estimate = believed(tracker, stepped(tracker, last_epoch.state, start - last_epoch.time)[0])
     except TrackerError as error:
         raise ScenarioError(f"[trackers.{name}] {error}") from error
     mean, cov = merge(estimate) if isinstance(estimate, Mixture) else estimate

@@ -4,5 +4,6 @@
 the margins of the speeds over the stall, ``gains`` the design of the loops, made or carried by a file; ``preparation``
 joins them with route, law and trim. ``loop`` flies, ``outcomes`` says how it ends, ``record`` is the ``Flight``,
 ``interpolation`` the motion between its instants.
-``swings`` what theory says of them. ``truths`` are flights by formula, one file for each path of the papers.
+``swings`` what theory says of them. ``truths`` are flights by formula, one file for each path of the papers,
+``recording`` makes one of a recorded track.
 """

@@ -40,6 +40,10 @@ from sim.flight.airspeeds import (
 )
 from sim.flight.gains import Gains, gains_for, plain
 from sim.flight.outcomes import Limits
+from sim.flight.record import Flight
+from sim.flight.recording.flight import REMARK
+from sim.flight.recording.flights import recording
+from sim.flight.recording.unknown import FINAL_TAKEN, unknown_flight
 from sim.flight.vehicles import (
     AirframeChoice,
     Configuration,
@@ -56,6 +60,7 @@ from sim.scenario import catalogue
 from sim.scenario.messages import at
 from sim.scenario.model import Scenario
 from sim.scenario.plugins import BUNDLED, is_outside, said
+from sim.scenario.recording.table import RecordTable
 from sim.scenario.tables import STARTS, PatternTable
 from sim.workers.isolation import run_isolated
 
@@ -77,6 +82,12 @@ class Prepared:
     rate: float  # Hz, of the equations of motion
     warnings: tuple[str, ...]
     stall_speed: float | None = None  # m/s, equivalent, as it lands; None where none is known
+    recording: Flight | None = None  # a flight that was flown elsewhere, in place of one that is flown here
+
+    @property
+    def design(self) -> dict[str, Any] | None:
+        """The gains as they travel in the scenario's file; None = nothing is flown by them."""
+        return None if self.recording is not None else self.gains.to_table()
 
     @property
     def controller(self) -> Approach | Departing:
@@ -184,7 +195,49 @@ def prepare(scenario: Scenario) -> Prepared:
     return run_isolated(scenario, MODEL_TIME_LIMIT, _prepared, scenario)
 
 
+def _recorded(scenario: Scenario, record: RecordTable) -> Prepared:
+    """A recorded flight, with the route and the law that trackers are told. They fly nothing here: the point mass lends
+    its bank loop to laws that are designed."""
+    place, told = functools.partial(at, scenario.name), scenario.autopilot
+    with place("[route]"):
+        route = _route(scenario, None)
+        speed = max(leg.speed for leg in route.legs)
+        gains = designed_point_mass(speed, told.bank_limit, told.roll_rate_limit)
+        route = dataclasses.replace(route, time_to_roll=gains.time_to_roll(speed, told.roll_rate_limit))
+    with place("[autopilot.law]"):
+        law = _law(scenario, _case(scenario, gains, route))
+        known = LateralNavigation.of(law)
+        gains = gains if known is None else gains.with_law(known)
+    with place("[route]"):
+        glide = Landing(speed, speed / REFERENCE_MARGIN, glide_path=scenario.runway.glide_path)
+        landing = None if scenario.has_route else glide
+        autopilot = Approach(route, law, landing, roll_rate_limit=told.roll_rate_limit, allow_orbit=True)
+        first = route.legs[0]
+    with place("[record]"):
+        if record.known:
+            flight = recording(record, scenario.runway, scenario.air, route)
+        else:
+            flight = unknown_flight(route, scenario.sensors)
+    remarks = tuple(event.detail for event in flight.events if event.name == REMARK)
+    if not record.known and not scenario.has_route:
+        remarks += (f"no [route] is told: {FINAL_TAKEN}, at most {first.height:.0f} m high",)
+    return Prepared(
+        scenario,
+        autopilot,
+        PointMassVehicle(PointMass(air=scenario.air)),
+        Initial(*first.start, first.height, first.course, first.speed),
+        Limits(scenario.until, scenario.runway),
+        Gains(gains, None),
+        gains,
+        AircraftData("point mass").rate,
+        remarks,
+        recording=flight,
+    )
+
+
 def _prepared(scenario: Scenario) -> Prepared:
+    if scenario.record is not None:
+        return _recorded(scenario, scenario.record)
     place = functools.partial(at, scenario.name)
     with place("[aircraft]"):
         aircraft = _data(scenario)

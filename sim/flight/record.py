@@ -13,6 +13,7 @@ from aircraft.state import AircraftState, Command
 from autopilot.route import ArrayDeviation, PathDeviation, Route
 
 RECORD_STEP = 1.0 / 30.0  # s, of the record and of the autopilot
+UNKNOWN = "unknown"  # outcome of a flight that only plots tell of: its motion is NaN
 
 
 class Event(NamedTuple):
@@ -39,6 +40,11 @@ class Flight:
     gate_height: float | None = None  # m; at and below, the approach must be stabilised; None = no gate was flown
     rollout: Flight | None = None  # from the landing to the stop; None = there was none
     utc: float | None = None  # s since 1970 at its time 0; None = it was flown at no date
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a true motion, against which anything can be judged."""
+        return self.outcome != UNKNOWN
 
     @property
     def whole(self) -> Flight:
@@ -72,6 +78,14 @@ class Flight:
         """(3, k) m/s north, east, up: the way the air moves, from the velocity over the ground and through the air."""
         s = self.state
         return np.asarray(np.array((s.velocity_north, s.velocity_east, s.velocity_up)) - np.array(s.air_velocity))
+
+    @property
+    def is_recorded(self) -> bool:
+        """Whether it was flown elsewhere, at a date, and seen from outside: what only the aircraft knows is NaN.
+
+        One that only plots tell of need have no date.
+        """
+        return not self.known or (self.utc is not None and bool(np.isnan(self.state.airspeed).all()))
 
     def during(self, phases: str | tuple[str, ...]) -> np.ndarray:
         """(k,) bool: where one of the phases was flown.

@@ -48,6 +48,8 @@ def still(scenario: Scenario) -> list[str]:
 def words(scenario: Scenario) -> list[str]:
     """The still air, wind, shear, turbulence and events, one phrase for each that there is."""
     table = scenario.wind
+    if scenario.record is not None:  # nobody recorded its wind
+        return still(scenario)
     said = [*still(scenario), "no steady wind"]
     if table.strength > 0.0:
         measured = "" if table.profile is None else f" {table.tower:.3g} m up, {table.shear} shear"

@@ -19,3 +19,4 @@ class TrackRecord(NamedTuple):
     ground_speed: np.ndarray | None = None  # (k,) m/s
     course: np.ndarray | None = None  # (k,) rad, over the ground, clockwise from true north
     vertical_rate: np.ndarray | None = None  # (k,) m/s, + up
+    remarks: tuple[str, ...] = ()  # what of the file could not be taken as it stands, in sentences

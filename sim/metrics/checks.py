@@ -11,13 +11,15 @@ from typing import Any
 import numpy as np
 
 from aircraft.units import SUFFIXES
-from autopilot.approach import PHASES
+from autopilot import approach
 from sim.errors import did_you_mean
 from sim.flight.outcomes import ROLLOUT
 from sim.flight.record import RECORD_STEP, Flight
+from sim.flight.recording import phases as recorded
 from sim.metrics import signals, table
 from sim.scenario.tables import Check, Runway
 
+PHASES = tuple(dict.fromkeys((*approach.PHASES, *recorded.PHASES)))
 EVERYWHERE = ("all", "gate")  # what ``during`` accepts besides the names of phases
 OF_TRACKERS, OF_CONTRASTS = "trackers.", "contrasts."  # figures whose names depend on the scenario
 RATIOS = ("gain", "gain_low", "gain_high")  # figures of a tracker's channel that are no quantity of the channel
@@ -28,13 +30,14 @@ def evaluate_checks(
 ) -> list[dict[str, Any]]:
     """What every check found on one flight: ``value``, ``limit``, ``margin``, ``time_s``, ``passed``.
 
-    A check whose phases were never flown has ``passed`` None; a scalar that the flight does not have fails. ``metrics``
-    are the flight's own, with the tables ``navigated``, ``trackers`` and ``contrasts``, the latter by pair.
+    A check whose phases were never flown has ``passed`` None; a scalar that the flight does not have fails, but of a
+    recorded flight, of which nobody may know it, it is None too. ``metrics`` are the flight's own, with the tables
+    ``navigated``, ``trackers`` and ``contrasts``, the latter by pair.
     """
     found = []
     for check in checks:
         signal = signals.find(check.metric)
-        found.append(_scalar(check, metrics) if signal is None else _signal(check, signal, flight, runway))
+        found.append(_scalar(check, flight, metrics) if signal is None else _signal(check, signal, flight, runway))
     return found
 
 
@@ -116,10 +119,12 @@ def _result(limit: float | None, value: float | None, margin: float | None, time
     }
 
 
-def _scalar(check: Check, metrics: dict[str, Any]) -> dict[str, Any]:
+def _scalar(check: Check, flight: Flight, metrics: dict[str, Any]) -> dict[str, Any]:
     _, value = find(metrics, check.metric)
     if value is None or not math.isfinite(value):
-        return _result(check.max if check.max is not None else check.min, None, None, None) | {"passed": False}
+        unknown = flight.is_recorded and not check.metric.startswith((OF_TRACKERS, OF_CONTRASTS))
+        absent = _result(check.max if check.max is not None else check.min, None, None, None)
+        return absent if unknown else absent | {"passed": False}
     margins = {
         bound: sign * (bound - float(value)) for bound, sign in ((check.max, 1), (check.min, -1)) if bound is not None
     }

@@ -33,7 +33,7 @@ def compare(
     ``sensors`` are those whose angles an estimate of the position is projected onto.
     """
     found: dict[str, Compared] = {}
-    plane = _plane(components, mean, cov, sensors)
+    plane = on_the_plane(components, mean, cov, sensors)
     if plane is not None:
         error = plane[0] - truth.position[:2].T[:, :, None]
         found["position_m"] = Compared(error, plane[1])
@@ -76,7 +76,7 @@ def _off(quantity: str, value: np.ndarray, exact: np.ndarray) -> np.ndarray:
     return np.asarray(wrap(value - exact) if quantity_of(quantity).wraps else value - exact)
 
 
-def _plane(
+def on_the_plane(
     components: tuple[str, ...], mean: np.ndarray, cov: np.ndarray, sensors: dict[str, Any]
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """North and east (k, 2, draws) with covariance, from a cartesian state or the range and angles of one radar."""

@@ -70,15 +70,41 @@ def error_curves(flight: Flight, sensors: dict[str, Any], track: Track, errors: 
     edges = windows(track.time, first, flight, draws)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # a lost track is a result
         curves = {channel: _curves(it, errors.plots.get(channel), edges) for channel, it in compared.items()}
-        lengths = np.array([b - a for a, b in edges])
-        counted = pooled(np.isfinite(track.white).sum(axis=(1, 2)), edges)
-        nis = np.where(counted > 0, pooled(np.nansum(track.nis, axis=1), edges) / counted, np.nan)
-        samples = np.round(counted * lengths)
+        nis, samples = _innovations(track, edges)
         path = DrawnPath(track.time, *(_from(first, values) for values in _path(errors.truth, sensors, compared)))
     middle = np.array([(a + b - 1) // 2 for a, b in edges], int)
     return ErrorCurves(
         pooled(track.time, edges), errors.truth.phase[middle], draws, curves, nis, samples, frozenset(sensors), path
     )
+
+
+def curves_without_truth(flight: Flight, sensors: dict[str, Any], track: Track) -> ErrorCurves:
+    """The curves of a track against which there is no truth: its innovations, and where it was; no channel has errors.
+
+    An angle is no height without a true distance.
+    """
+    k, draws = len(track.time), track.mean.shape[2]
+    edges = windows(track.time, 0, flight, draws)
+    cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
+    place, spread, height, sigma = (np.full((k, *shape), np.nan) for shape in ((2,), (2, 2), (), ()))
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # a lost track is a result
+        plane = comparison.on_the_plane(track.channels, track.mean, cov, sensors)
+        if plane is not None:
+            place, spread = plane[0][..., 0], plane[1][..., 0]
+        if "height" in track.channels:
+            row = track.channels.index("height")
+            height, sigma = track.mean[:, row, 0], np.sqrt(cov[:, row, row, 0])
+        nis, samples = _innovations(track, edges)
+    path = DrawnPath(track.time, *map(_finite, (place, spread, height, sigma)))
+    phase = np.zeros(len(edges), int)
+    return ErrorCurves(pooled(track.time, edges), phase, draws, {}, nis, samples, frozenset(sensors), path)
+
+
+def _innovations(track: Track, edges: list[tuple[int, int]]) -> tuple[np.ndarray, np.ndarray]:
+    """(w,) mean normalised innovation squared per measured component, and how many of these are behind each."""
+    counted = pooled(np.isfinite(track.white).sum(axis=(1, 2)), edges)
+    nis = np.where(counted > 0, pooled(np.nansum(track.nis, axis=1), edges) / counted, np.nan)
+    return nis, np.round(counted * np.array([b - a for a, b in edges]))
 
 
 def windows(time: np.ndarray, first: int, flight: Flight, draws: int) -> list[tuple[int, int]]:

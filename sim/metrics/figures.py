@@ -44,8 +44,10 @@ class Context(NamedTuple):
     stall_speed: float | None = None  # m/s, equivalent, as it lands; None where none is known
 
 
-def time_saturated(flight: Flight, context: Context) -> float:
-    """Time at the bank limit, s."""
+def time_saturated(flight: Flight, context: Context) -> float | None:
+    """Time at the bank limit, s; None where nobody knows the command."""
+    if np.isnan(flight.command.bank).all():
+        return None
     saturated = np.abs(flight.command.bank) >= context.bank_limit * (1 - 1e-6)
     return float(saturated.sum() * RECORD_STEP)
 
@@ -63,16 +65,23 @@ def base_overshoot(flight: Flight, context: Context) -> float | None:
 
 def _overshoot(flight: Flight, leg: int) -> float | None:
     """How far the aircraft went to the other side of a leg that it came to from one side, m."""
-    on = flight.leg == leg
+    on = _on_leg(flight, leg)
     if not on.any():
         return None
     z = flight.deviation.cross_track[on]
     return float(max(0.0, (-np.sign(z[0]) * z).max()))
 
 
+def _on_leg(flight: Flight, leg: int) -> np.ndarray:
+    """(k,) bool: where a leg was flown; who is vectored flies none yet, whatever lies ahead."""
+    return np.asarray((flight.leg == leg) & ~flight.during("vectors"))
+
+
 def settling(flight: Flight, context: Context) -> float | None:
     """Seconds from the start of the last leg until the deviation stays small."""
-    on, z = np.flatnonzero(flight.leg == int(flight.leg.max())), flight.deviation.cross_track
+    on, z = np.flatnonzero(_on_leg(flight, int(flight.leg.max()))), flight.deviation.cross_track
+    if not on.size:
+        return None
     band = max(SETTLED * abs(z[on[0]]), SETTLED_LEAST)
     outside = on[np.abs(z[on]) > band]
     if not outside.size:
@@ -85,8 +94,8 @@ def cross_track_rms(flight: Flight, context: Context) -> float | None:
     glide = settled_glide(flight)
     if glide.any():
         return _rms(flight.deviation.cross_track[glide])
-    several = len(flight.route.legs) > 1
-    on_final = flight.during(("final", "glide")) if several else flight.leg == flight.leg.max()
+    several = len(flight.route.legs) > 1 or "established" in flight.phases
+    on_final = flight.during(("final", "established", "glide")) if several else flight.leg == flight.leg.max()
     return _rms(flight.deviation.cross_track[on_final])
 
 

@@ -10,6 +10,7 @@ from sim.metrics import table
 from sim.metrics.figures import Context
 from sim.scenario.tables import Runway
 
+DURATION = "duration_s"
 NAVIGATED = "navigated"  # the table of figures of the estimate that it was flown on
 
 
@@ -20,14 +21,15 @@ def flight_metrics(
 
     ``bank_limit`` (rad) is that of the law that flew, ``stall_speed`` (m/s, equivalent) that of the landing. Figures of
     the estimate that it was flown on are not among them: ``sim.metrics.navigation`` adds them, since only a flight that
-    trackers watched has them.
+    trackers watched has them. Of a flight that only plots tell of there is no figure but how long they do.
     """
     context = Context(runway, bank_limit, stall_speed=stall_speed)
     rows = [row for row in table.METRICS if not row.name.startswith(f"{NAVIGATED}.")]
     found: dict[str, Any] = {"outcome": flight.outcome, "reason": flight.reason}
     for row in rows:
         nested, _, own = row.name.rpartition(".")
-        (found.setdefault(nested, {}) if nested else found)[own] = value(row, flight, context)
+        known = flight.known or row.name == DURATION
+        (found.setdefault(nested, {}) if nested else found)[own] = value(row, flight, context) if known else None
     nothing = [name for name, inner in found.items() if isinstance(inner, dict) and not any_value(inner)]
     return found | dict.fromkeys(nothing)
 

@@ -15,9 +15,13 @@ DOT = 0.35  # deg, of a glide-path needle [full scale 0.7 deg at 3 deg]
 
 
 def height_error(flight: Flight, runway: Runway) -> np.ndarray:
-    """Height above what the phase asks for, m: glide path or leg height, NaN in flare, roll-out and go-around."""
+    """Height above what the phase asks for, m: glide path or leg height, NaN in flare, roll-out and go-around.
+
+    NaN too where no height is held, or nobody knows which.
+    """
     state = flight.state
     wanted = np.array([leg.height for leg in flight.route.legs])[flight.leg]
+    wanted = np.where(np.isnan(flight.command.height), np.nan, wanted)
     past, _ = runway.from_local(state.north, state.east)
     glide = (runway.aiming_point - past) * np.tan(runway.glide_path)
     wanted = np.where(flight.during("glide"), glide, wanted)

@@ -67,7 +67,7 @@ class Metric(NamedTuple):
 
 METRICS: tuple[Metric, ...] = (
     Metric("landed", "", "landed", lambda flight, context: float(flight.outcome == "landed"), 0),
-    Metric("duration_s", "s", "flight time", lambda flight, context: flight.time[-1], 1, True),
+    Metric("duration_s", "s", "flight time", lambda flight, context: flight.time[-1] - flight.time[0], 1, True),
     Metric(
         "bank_max_deg",
         "deg",

@@ -61,11 +61,16 @@ def tracker_metrics(flight: Flight, track: Track, errors: TrackerErrors) -> dict
     rows = np.isfinite(track.white).sum(axis=1)
     if rows.any():
         figures["anis"] = float(np.sum(np.where(rows > 0, track.nis, 0.0)) / rows.sum())
-    skipped = np.zeros(len(track.time), bool) if track.skipped is None else track.skipped.any(axis=1)
-    if skipped.any():
-        since = float(track.time[skipped][0])
-        figures["skipped"] = {"looks": int(skipped.sum()), "of_looks": len(skipped), "first_s": since}
     return figures
+
+
+def skipped(track: Track) -> dict[str, Any]:
+    """How many looks a tracker could not use, of how many, and since when; empty where it could use all."""
+    unusable = np.zeros(len(track.time), bool) if track.skipped is None else track.skipped.any(axis=1)
+    if not unusable.any():
+        return {}
+    first = float(track.time[unusable][0])
+    return {"skipped": {"looks": int(unusable.sum()), "of_looks": len(unusable), "first_s": first}}
 
 
 def where_measured(errors: TrackerErrors) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:

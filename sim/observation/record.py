@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import bisect
 from collections.abc import Iterable
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from aircraft.state import AircraftState
 from sim.errors import ScenarioError
 from sim.flight.record import Flight
 from sim.observation.faults import faulty
+from sim.observation.recordings import dated
 from sim.observation.sensor import Look, SensorError, ask, looks_of
 from sim.randomness import Streams
 from sim.scenario.tables import SensorFault
@@ -47,8 +48,11 @@ def observe(
 
     ``faults`` are those of a scenario, its ``sensor_faults``; without them every sensor errs as it states.
 
-    Raises ``ScenarioError`` for a sensor that does not keep its contract.
+    Raises ``ScenarioError`` for a sensor that does not keep its contract, or measures what nobody knows of the flight,
+    and for recorded plots of which none falls into the flight.
     """
+    sensors = dated(flight, sensors)
+    refuse_unknown(flight, sensors)
     return {
         name: _watch(
             flight, name, sensor, Streams(seed, number, draws, name), [one for one in faults if one.sensor == name]
@@ -57,14 +61,33 @@ def observe(
     }
 
 
+def refuse_unknown(flight: Flight, sensors: dict[str, Any]) -> None:
+    """Raise ``ScenarioError`` for a sensor of something that a recorded flight does not know, such as an airspeed.
+
+    What a sensor has recorded itself it need not be told.
+    """
+    if not flight.is_recorded:
+        return
+    state = AircraftState(*(float(column[0]) for column in flight.state))
+    for name, sensor in sensors.items():
+        known = np.isfinite(np.asarray(sensor.truth(state), float))
+        unknown = [channel for channel, one in zip(sensor.channels, known, strict=True) if not one]
+        if unknown and sensor.recording is None:
+            raise ScenarioError(f"[sensors.{name}] measures {', '.join(unknown)}, which a recording does not know")
+
+
 def _watch(flight: Flight, name: str, sensor: Any, streams: Streams, faults: list[SensorFault]) -> SensorRecord:
-    records = [AircraftState(*row) for row in np.column_stack(flight.whole.state).tolist()]
+    motion = np.array(flight.whole.state)
+    times: list[float] = motion[0].tolist()
     looks: list[Look] = []
     try:
-        state = ask(sensor, "begin", records[0].time, streams)
-        for before, after in pairwise(records):
+        state = ask(sensor, "begin", times[0], streams)
+        row = 0
+        while (row := max(row, _before(times, state))) < len(times) - 1:
+            before, after = (AircraftState(*motion[:, at].tolist()) for at in (row, row + 1))
             state, seen = looks_of(sensor, state, before, after, streams.draws)
             looks += [faulty(look, sensor, faults, before, after) for look in seen]
+            row += 1
     except SensorError as error:
         raise ScenarioError(f"[sensors.{name}] {error}") from error
     m = len(sensor.channels)
@@ -79,6 +102,12 @@ def _watch(flight: Flight, name: str, sensor: Any, streams: Streams, faults: lis
         raise ScenarioError(f"[sensors.{name}] step gives what is no measurement: {error}") from error
     candidates = None if plots[0] is None else np.array(plots)
     return SensorRecord(found.channels, found.time, found.arrival, found.z, found.R, candidates)
+
+
+def _before(times: list[float], state: Any) -> int:
+    """The record before the next epoch of a sensor whose state tells it: what lies between is not walked through."""
+    epoch = getattr(state, "epoch", None)
+    return bisect.bisect_left(times, epoch) - 1 if isinstance(epoch, float) and epoch > times[0] else 0
 
 
 def measurements(records: dict[str, SensorRecord], sensors: tuple[str, ...]) -> Measurements:

@@ -49,10 +49,12 @@ QUANTITIES: dict[str, Quantity] = {
     "north": _LENGTH,
     "east": _LENGTH,
     "height": _LENGTH,  # above the threshold
+    "pressure_altitude": Quantity("m", "m"),  # above 1013.25 hPa: no place, for that the QNH must be known
     "deviation": _DIRECTION,  # from a course line
     "range_rate": _SPEED,  # + receding
     "airspeed": _SPEED,
     "ground_speed": _SPEED,
+    "vertical_rate": _SPEED,  # + up
     "bank": _ANGLE,
     "pitch": _ANGLE,
     "heading": _ANGLE,
@@ -85,11 +87,21 @@ class Look(NamedTuple):
     candidates: np.ndarray | None = None  # (c, m, draws) plots with the false ones, z first; only with ``clutter``
 
 
+class Recording(NamedTuple):
+    """What a sensor has recorded once and for all, instead of watching the flight."""
+
+    looks: int
+    first: float  # s of the flight that it is `Sensor.dated` by, before that of its own clock
+    last: float  # s
+    dated: bool  # whether its clock counts from 1970
+    remarks: tuple[str, ...] = ()  # what its user should know
+
+
 class Sensor(Protocol):
     """What watches the aircraft. `broken_promises` tries whether a class is one.
 
     A class must have ``channels``, ``period``, ``begin``, ``step`` and ``truth``. What else it leaves out is as
-    `DEFAULTS` says: no antenna, no false plots, no outline, and a place where its channels are one.
+    `DEFAULTS` says: no antenna, no false plots, no outline, no recording, and a place where its channels are one.
     """
 
     @property
@@ -129,11 +141,21 @@ class Sensor(Protocol):
         """s between epochs; at least 1/120, because the flight is not known in finer steps."""
         ...
 
+    @property
+    def recording(self) -> Recording | None:
+        """What it recorded; None = it watches the flight. A recording is the same in every draw."""
+        ...
+
+    def dated(self, utc: float | None) -> Any:
+        """The sensor for a flight that has its time 0 at ``utc``, s since 1970; None = it is flown at no date."""
+        ...
+
     def begin(self, time: float, streams: Streams) -> Any:
         """State before the first epoch, which is one period after ``time`` (s).
 
         Every random number comes from ``streams``; row k of a stream belongs to epoch k, whether it is used or not, so
-        that any steps, in the loop or over a record, see the same noise.
+        that any steps, in the loop or over a record, see the same noise. A state may tell in a field ``epoch`` when its
+        next epoch is, s: over a record it is not stepped through the time before.
         """
         ...
 
@@ -163,6 +185,8 @@ DEFAULTS: dict[str, Any] = {  # members that a class may leave out, and what the
     "antenna": None,
     "zero_azimuth": None,
     "outline": lambda sensor: (),
+    "recording": None,
+    "dated": lambda sensor, utc: sensor,
 }
 MEMBERS = ("channels", "period", "begin", "step", "truth")  # that a class must have
 CLUTTERED = ("detection", "clutter_density")  # of a sensor with clutter
@@ -252,7 +276,7 @@ def broken_promises(cls: type, make: Callable[[], Any]) -> list[str]:
     except Exception as error:
         return [f"it cannot be made with its example or its defaults: {_said(error)}"]
     broken: list[str] = []
-    for promises in (_named, _placed, _true, _outlined, _watched):
+    for promises in (_named, _placed, _true, _outlined, _recorded, _watched):
         try:
             broken += promises(sensor)
         except Exception as error:
@@ -319,6 +343,14 @@ def _outlined(sensor: Any) -> Iterator[str]:
         yield "outline must be a tuple of at least three (north, east) in m, or ()"
 
 
+def _recorded(sensor: Any) -> Iterator[str]:
+    found = ask(sensor, "recording")
+    if not (found is None or (isinstance(found, Recording) and found.looks > 0 and found.first <= found.last)):
+        yield f"recording must be None, or a sim.observation.sensor.Recording of at least one look, not {found!r}"
+    if type(ask(sensor, "dated", None)) is not type(sensor):
+        yield "dated gives no sensor of its kind"
+
+
 def _watched(sensor: Any) -> Iterator[str]:
     records = _approach()
     looks = _looks(sensor, records, DRAWS)
@@ -331,7 +363,7 @@ def _watched(sensor: Any) -> Iterator[str]:
     if (np.diff(epochs) <= 0.0).any():
         yield "step does not give its looks in the order of their epochs"
     turns = epochs / sensor.period
-    if (np.abs(turns - np.round(turns)) > 1e-6).any():
+    if (np.abs(turns - np.round(turns)) > 1e-6).any() and sensor.recording is None:
         yield "step gives looks at other times than multiples of 'period' after the beginning"
     for _, _, look in looks:
         _check(sensor, look)

@@ -3,7 +3,25 @@
 from __future__ import annotations
 
 from importlib import resources
-from typing import Any
+from typing import Any, NamedTuple
+
+from sim.reporting.drawing import svg
+from sim.reporting.figures.style import Chart, Key
+
+
+class Picture(NamedTuple):
+    """A chart as the page has it."""
+
+    title: str
+    image: str  # an element of the page
+    caption: str
+    keys: tuple[Key, ...]
+
+
+def picture(chart: Chart) -> Picture:
+    """Draw a chart into the page; its title and caption are what a screen reader says of it."""
+    title, figure, caption, keys = chart
+    return Picture(title, svg.written(figure, f"{title}: {caption}"), caption, keys)
 
 
 def rendered(template: str, **values: Any) -> str:

@@ -32,9 +32,10 @@ def replay(
 
     Heights are above the threshold; ``flown`` is the distance over the ground, the abscissa of the vertical profile.
     Plots of a radar that measures neither elevation nor height are shown where the ``chart`` puts them. It opens a
-    little before the instant ``parted``, s, at which two trackers part; without one, with the flight.
+    little before the instant ``parted``, s, at which two trackers part; without one, with the flight. Of an unknown
+    flight there are plots and estimates, and lists without any number are empty.
     """
-    if len(flight.time) < 2 or not np.isfinite(flight.state.north).all():
+    if len(flight.time) < 2 or (flight.known and not np.isfinite(flight.state.north).all()):
         return None
     course = flight.route.legs[-1].course
     turn = np.array(((np.cos(course), np.sin(course)), (-np.sin(course), np.cos(course))))
@@ -56,7 +57,7 @@ def replay(
             "asked": _listed((state.height - height_error(flight, scenario.runway))[few]),
             "bank": _listed(np.degrees(state.bank[few])),
             "pitch": _listed(np.degrees(state.pitch[few])),
-            "heading": _listed(np.degrees(np.unwrap(state.heading) - course)[few]),
+            "heading": _listed(np.degrees(np.unwrap(_nose(flight)) - course)[few]),
             "speed": _listed(state.airspeed[few]),
         },
         "phases": [
@@ -77,6 +78,11 @@ def replay(
         ],
         "trackers": [_estimates(one, turn) for one in followed],
     }
+
+
+def _nose(flight: Flight) -> np.ndarray:
+    """(k,) rad, where the nose points; of a recorded flight, where it goes."""
+    return np.asarray(flight.state.course if flight.is_recorded else flight.state.heading)
 
 
 def false_plots(record: Any) -> Any | None:
@@ -153,8 +159,8 @@ def _estimates(one: Shown, turn: np.ndarray) -> dict[str, Any]:
     long, short, direction = ellipse(np.einsum("ij,kjl,ml->kim", turn, one.curves.path.spread[few], turn))
     return {
         "name": words(one.name),
-        "colour": one.look["color"],
-        "dashed": one.look["dashes"] != style.SOLID,
+        "colour": one.look["colour"],
+        "dash": [round(1.5 * dash, 1) for dash in one.look["dashes"]],  # pixels
         "law": one.law_from,
         "t": _listed(one.curves.path.time[few], 3),
         "x": _listed(x),

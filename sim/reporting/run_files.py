@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from aircraft.state import AircraftState
 from sim.estimation.tracking_run import Tracked, joined
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
@@ -12,10 +13,12 @@ from sim.observation.sensor import QUANTITIES, quantity_of
 
 def flight_arrays(flight: Flight) -> dict[str, np.ndarray]:
     """The record of a flight by names that carry their unit."""
-    state = {_with_unit(name): getattr(flight.state, name) for name in flight.state._fields}
-    command = {f"command_{_with_unit(name)}": getattr(flight.command, name) for name in flight.command._fields}
+    state = {state_name(name): getattr(flight.state, name) for name in flight.state._fields}
+    command = {f"command_{state_name(name)}": getattr(flight.command, name) for name in flight.command._fields}
     deviation = flight.deviation
+    date = {} if flight.utc is None else {"utc_s": flight.utc + flight.time}  # since 1970
     return {
+        **date,
         **state,
         **command,
         "cross_track_m": deviation.cross_track,
@@ -25,6 +28,11 @@ def flight_arrays(flight: Flight) -> dict[str, np.ndarray]:
         "phase": flight.phase,
         "phases": np.array(flight.phases),
     }
+
+
+def state_of(arrays: dict[str, np.ndarray]) -> AircraftState:
+    """The states of `flight_arrays`; raises ``KeyError`` where one is missing."""
+    return AircraftState(*(arrays[state_name(name)] for name in AircraftState._fields))
 
 
 SUFFIX_OF = {
@@ -37,7 +45,8 @@ SUFFIX_OF = {
 }
 
 
-def _with_unit(name: str) -> str:
+def state_name(name: str) -> str:
+    """The name of a quantity of state or command in the files of a run."""
     return next((f"{name}_{suffix}" for suffix, names in SUFFIX_OF.items() if name in names), name)
 
 
@@ -50,7 +59,7 @@ def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray
         arrays[f"{name}.channels"] = np.array(record.channels)
         arrays[f"{name}.units"] = np.array([quantity_of(channel).si for channel in record.channels])
         arrays[f"{name}.z"] = record.z
-        # sensors' errors are independent: R is diagonal
+        # of each channel by itself: what correlates them is not kept
         R = record.R if record.R.ndim == 4 else record.R[..., None]
         arrays[f"{name}.sigma"] = np.sqrt(np.einsum("kiin->kin", R))
         if record.candidates is not None:

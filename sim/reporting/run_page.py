@@ -14,8 +14,7 @@ from sim.flight.record import Flight
 from sim.metrics.conformance import conformance_sentence, foremost
 from sim.reporting.figures.flight import charts
 from sim.reporting.figures.measurements import measurement_charts
-from sim.reporting.figures.style import Chart
-from sim.reporting.page import rendered, text_of
+from sim.reporting.page import Picture, picture, rendered, text_of
 from sim.reporting.replay import replay
 from sim.reporting.text.contrast_sentence import contrast_sentences, first_contrast
 from sim.reporting.text.header import first_screen
@@ -39,12 +38,13 @@ from sim.reporting.text.tracker_tables import tracker_tables
 from sim.reporting.tracker_figures.charts import alarm_charts, belief_charts, contrast_chart, error_charts
 from sim.reporting.tracker_figures.error_curves import Shown, shown_trackers
 from sim.reporting.tracker_figures.model_probabilities import mode_names
+from sim.reporting.without_truth.figures import plot_charts
+from sim.reporting.without_truth.tables import plot_tables
 from sim.scenario.toml_writer import dumps
 from sim.versions import rows
-from sim.workers.sharing import current
 from tracking.height_profile import Charted
 
-LARGEST = 2_800_000  # bytes of the figures of a page, about; a page is to stay below 3 MB
+LARGEST = 1_800_000  # bytes of the figures of a page, about; a page is to stay below 2 MB
 ROOM = 200_000  # bytes, below which no further flight is worth drawing
 MOST_ROWS = 200  # of the table of all flights; metrics.json has them all
 
@@ -92,7 +92,9 @@ def write(
         several=metrics["flights"] if several else 0,
         checks=[check_row(*pair) for pair in zip(scenario.checks, metrics["checks"], strict=True)],
         spread=spread_rows(metrics.get("flights_summary", {})),
-        trackers=tracker_tables(metrics["trackers"]) if metrics.get("trackers") else [],
+        trackers=(plot_tables(metrics["trackers"]) or tracker_tables(metrics["trackers"]))
+        if metrics.get("trackers")
+        else [],
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
         draws=metrics.get("draws"),
@@ -113,7 +115,7 @@ class Contrasted(NamedTuple):
     """What the first screen has of the trackers that are set against each other."""
 
     sentences: list[str]
-    chart: Chart | None = None
+    chart: Picture | None = None
     opens: str = ""  # what is said of where the replay opens
     parted: float | None = None  # s
 
@@ -128,7 +130,8 @@ def _contrast(metrics: dict[str, Any], flown: Flown, shown: list[Shown], tracker
         return Contrasted(told)
     found = apart(flown, first["of"], first["against"])
     stretch = None if found is None else found.stretch
-    chart = contrast_chart(flown.flight, first, shown, stretch)
+    drawn = contrast_chart(flown.flight, first, shown, stretch)
+    chart = None if drawn is None else picture(drawn)
     if stretch is None:
         return Contrasted(told, chart)
     opens = f"It opens shortly before {words(first['of'])} and {words(first['against'])} part."
@@ -152,11 +155,11 @@ def _pages(scenario: Any, law: Any, metrics: dict[str, Any], flights: Iterable[S
             return
 
 
-def _size(charts: list[Chart]) -> int:
+def _size(charts: list[Picture]) -> int:
     return sum(len(chart.image) for chart in charts)
 
 
-def _fitting(charts: list[Chart], room: int) -> list[Chart]:
+def _fitting(charts: list[Picture], room: int) -> list[Picture]:
     """The first charts that fit into so many bytes together."""
     sizes = itertools.accumulate(len(chart.image) for chart in charts)
     return [chart for chart, size in zip(charts, sizes, strict=True) if size <= room]
@@ -165,7 +168,6 @@ def _fitting(charts: list[Chart], room: int) -> list[Chart]:
 def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first: bool) -> dict[str, Any]:
     """One flight; ``metrics`` are those of the run."""
     flight, whole, trackers, tracked = seen.flight, seen.flight.whole, seen.trackers, seen.tracked
-    flight_charts = current().later(charts, flight, scenario, law)
     modes = {
         name: mode_names(one.tracker, one.track.model_probabilities.shape[1])
         for name, one in tracked.items()
@@ -173,12 +175,15 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
     }
     alert = foremost(tracked)
     believing = {name: tracked[name] for name in modes}
-    beliefs = current().later(belief_charts, scenario, flight, trackers, believing, modes, alert)
+    beliefs = belief_charts(scenario, flight, trackers, believing, modes, alert)
     shown = shown_trackers(scenario, tracked)
     whole, end = flight.whole, float(flight.time[-1])
     airborne = {name: record.until(end) for name, record in seen.records.items()}
-    errors = error_charts(scenario, flight, trackers, shown, airborne, seen.chart)
+    judged = error_charts if flight.known else plot_charts
+    errors = judged(scenario, flight, trackers, shown, airborne, seen.chart)
     alarms = alarm_charts(flight, trackers, tracked, shown)
+    flight_charts = charts(flight, scenario, law) if flight.known else []
+    measured = measurement_charts(whole, scenario.sensors, seen.records) if flight.known else []
     flown = Flown(scenario, law, flight, tracked)
     contrast = _contrast(metrics, flown, shown, trackers) if is_first else NOTHING
     own = {**metrics, "flight": seen.figures, "trackers": trackers}
@@ -188,12 +193,13 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
         "opens": contrast.opens,
         "conformance": conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
         "replay": replay(whole, scenario, shown, seen.records, seen.chart, contrast.parted) if is_first else None,
-        "charts": [*flight_charts(), *measurement_charts(whole, scenario.sensors, seen.records)],
-        "events": event_rows(whole),
+        "known": flight.known,
+        "charts": [*map(picture, (*flight_charts, *measured))],
+        "events": event_rows(whole) if flight.known else [],
         "outcome": words(seen.figures["outcome"]),
         "reason": first_clause(flight.reason),
         "last_state": last_state(flight),
         "flight_rows": halves(scalar_rows(seen.figures)),
         "beside": beside_rows(seen.figures),
-        "tracker_charts": [*errors, *beliefs(), *alarms],
+        "tracker_charts": [*map(picture, (*errors, *beliefs, *alarms))],
     }

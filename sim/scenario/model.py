@@ -9,6 +9,7 @@ from typing import Any
 from aircraft.air import Air
 from sim.scenario.catalogue import completed
 from sim.scenario.plugins import Part
+from sim.scenario.recording.table import RecordTable
 from sim.scenario.tables import (
     AircraftChoice,
     AutopilotTable,
@@ -65,12 +66,18 @@ class Scenario:
     checks: tuple[Check, ...]
     study: StudyTable | None
     tables: dict[str, Any] = field(repr=False)  # the resolved file
+    record: RecordTable | None = None  # of a flight that was flown elsewhere; None = it is flown here
     parts: tuple[Part, ...] = field(default=(), repr=False)  # kinds from outside that it names
 
     @property
     def repetitions(self) -> int:
         """How many flights the scenario has as it stands: also those of a study that varies nothing."""
         return self.flights * (self.study.samples if self.study is not None and not self.study.varied else 1)
+
+    @property
+    def has_route(self) -> bool:
+        """Whether it says a route; for a recording that has none the final of its runway is taken, without speeds."""
+        return self.record is None or "route" in self.tables
 
     def part_at_fault(self, error: BaseException) -> str | None:
         """The law or the wind event in whose file an error arose, and its line; None = it arose in no such file."""

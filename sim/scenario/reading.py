@@ -20,6 +20,9 @@ from sim.scenario.messages import faults_of, quantity, report_faults
 from sim.scenario.model import Scenario, TrackerChoice
 from sim.scenario.parameters import TrueShare, construct, dump, given_values, parameters, spellings_in
 from sim.scenario.plugins import Catalogue, catalogue_with, is_outside, said
+from sim.scenario.recording.completion import beside_file, completed_record, runway_file, strangers
+from sim.scenario.recording.plots_alone import faults_of_plots, located, recorded
+from sim.scenario.recording.table import RecordTable, final
 from sim.scenario.schema import ROUTES, file_model, kind_of, owner_of, parts_of
 from sim.scenario.tables import (
     HIGHEST_FLIGHT,
@@ -64,6 +67,7 @@ def read(
     origin, tables = _load(source)
     for address, value in (overrides or {}).items():
         tables = override(tables, address, value)
+    tables = completed_record(located(tables, Path()), parsed)
     return _build(origin, tables, catalogue, checks(tables) if checks is not None else [])
 
 
@@ -108,7 +112,8 @@ def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
     tables = parsed(origin, content)
     if not tables:
         raise ScenarioError(f"{origin}: says nothing; 'shortfinal new FILE.toml' writes a scenario to start from")
-    return origin, {"name": path.name.removesuffix(".toml").removesuffix(".scenario"), **tables}
+    named = {"name": path.name.removesuffix(".toml").removesuffix(".scenario"), **tables}
+    return origin, named if ours is not None else located(beside_file(named, path.parent), path.parent)
 
 
 def parsed(origin: str, content: bytes) -> dict[str, Any]:
@@ -123,6 +128,13 @@ def parsed(origin: str, content: bytes) -> dict[str, Any]:
         raise ScenarioError(f"{origin}: not TOML: nested too deeply") from None
     except ValueError as error:  # of its grammar, or of a number with thousands of digits
         raise ScenarioError(report_faults(origin, [f"not TOML: {str(error).partition(';')[0]}"])) from None
+
+
+def read_runway(path: Path) -> tuple[Runway, Air]:
+    """The runway of a TOML file, and the air over it; raises ``ScenarioError`` with one line for each fault."""
+    tables = {"name": "runway", **runway_file(path, parsed)}
+    scenario = _build(str(path), tables, catalogue_with(()), [])
+    return scenario.runway, scenario.air
 
 
 def _content(path: Path, source: str) -> bytes:
@@ -158,11 +170,17 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
     def table(name: str, cls: type, true_share: TrueShare | None = None) -> Any:
         return _construct(faults, f"[{name}]", cls, tables.get(name, {}), true_share)
 
+    is_recorded = tables.get("record") is not None
+    if is_recorded:
+        faults += strangers(tables)
+    record = table("record", RecordTable) if is_recorded else None
     runway = table("runway", Runway) or Runway()
     air_table = table("air", AirTable) or AirTable()
     air = Air(runway.elevation, air_table.kelvin, air_table.qnh)
     route_kind = kind_of(tables.get("route", {}), "pattern")
     route = table("route", ROUTES[route_kind or "pattern"], functools.partial(_true_share, air))
+    if is_recorded and "route" not in tables:
+        route = final(runway)
     mode = kind_of(tables.get("autopilot", {}), "lateral_navigation") or ""
     autopilot_table = {k: v for k, v in tables.get("autopilot", {}).items() if k != "law"}
     modes = _modes(faults, mode, tables.get("departures", []), catalogue)
@@ -193,8 +211,9 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         "name": tables["name"],
         "seed": tables.get("seed", DEFAULTS["seed"]),
         "flights": tables.get("flights", DEFAULTS["flights"]),
-        "draws": _draws(faults, tables),
+        "draws": _draws(faults, tables, sensors),
         "until": tables.get("until_s"),
+        "record": record,
         "runway": runway,
         "aircraft": table("aircraft", AircraftChoice),
         "start": table(
@@ -224,7 +243,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         },
         "study": table("study", StudyTable) if tables.get("study") is not None else None,
     }
-    faults += _told_twice(scenario["contrasts"])
+    faults += [*_told_twice(scenario["contrasts"]), *faults_of_plots(tables, record, sensors)]
     navigation = tables.get("autopilot", {}).get("navigation", "truth")
     if navigation != "truth" and navigation not in trackers:
         faults.append(
@@ -266,12 +285,19 @@ def _modes(faults: list[str], mode: str, departures: list[Any], catalogue: Catal
     return found
 
 
-def _draws(faults: list[str], tables: dict[str, Any]) -> int:
-    """Noise draws per flight: one where a tracker flies the aircraft, since its noise then shapes the flight."""
-    if tables.get("autopilot", {}).get("navigation", "truth") == "truth":
+def _draws(faults: list[str], tables: dict[str, Any], sensors: dict[str, Any]) -> int:
+    """Noise draws per flight: one where a tracker flies the aircraft, since its noise then shapes the flight.
+
+    One too where all plots are recorded, since there is no noise to draw.
+    """
+    if tables.get("autopilot", {}).get("navigation", "truth") != "truth":
+        why = "where a tracker navigates, because its noise shapes the flight; use 'flights'"
+    elif sensors and len(recorded(sensors)) == len(sensors):
+        why = "where all sensors are recorded, because every draw would see the same plots"
+    else:
         return int(tables.get("draws", DEFAULTS["draws"]))
     if tables.get("draws", 1) != 1:
-        faults.append("draws: must be 1 where a tracker navigates, because its noise shapes the flight; use 'flights'")
+        faults.append(f"draws: must be 1 {why}")
     return 1
 
 
@@ -341,12 +367,15 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
     """The file with every default written out, the user's own spellings kept."""
     out: dict[str, Any] = {key: built[key] for key in ("name", "seed", "flights", "draws")}
     out["until_s"] = built["until"]
-    for name in ("runway", "air", "aircraft", "start", "route", "autopilot", "wind"):
+    flown = () if built["record"] is not None else ("aircraft", "start", "route", "autopilot", "wind")
+    if built["record"] is not None:
+        out |= {name: tables[name] for name in ("record", "route", "autopilot") if name in tables}
+    for name in ("runway", "air", *flown):
         given = tables.get(name, {})
         kind = {"route": kind_of(given, "pattern"), "autopilot": built["mode"]}.get(name)
         law = {"law": given["law"]} if "law" in given else {}
         out[name] = ({"kind": kind} if kind else {}) | _completed(built[name], given) | law
-    if built["wind"].events:
+    if flown and built["wind"].events:
         out["wind"]["events"] = {
             name: {"kind": tables["wind"]["events"][name]["kind"]} | _completed(event, tables["wind"]["events"][name])
             for name, event in built["wind"].events.items()

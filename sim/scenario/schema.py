@@ -15,6 +15,7 @@ from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import catalogue as bundled
 from sim.scenario.parameters import model_of
 from sim.scenario.plugins import BUNDLED, Catalogue
+from sim.scenario.recording.table import RecordTable
 from sim.scenario.tables import (
     AircraftChoice,
     AirTable,
@@ -107,6 +108,7 @@ def file_model(route: Any, autopilot: Any, wind: Any, sensors: Any, trackers: An
         flights=(Annotated[int, Field(strict=True, ge=1, le=100_000)], 1),
         draws=(Annotated[int, Field(strict=True, ge=1, le=100_000)], 130),
         until_s=(Annotated[float, Field(gt=0, le=1800, allow_inf_nan=False, strict=True)] | None, None),
+        record=(_optional(RecordTable), None),
         runway=(model_of(Runway), None),
         air=(model_of(AirTable), None),
         aircraft=(model_of(AircraftChoice), None),

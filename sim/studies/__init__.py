@@ -3,5 +3,6 @@
 ``plan`` lists the flights, ``job`` is one of them in a worker, ``folder`` says whose study a folder is, and ``kept``
 has what it keeps of finished flights; ``study`` runs it. ``metrics`` are its figures for each cell, ``theory`` predicts
 limits without flying; ``figures`` and ``page`` show them. ``bisection`` finds where a figure passes a limit,
-``convergence`` the rate of an aircraft's equations of motion.
+``convergence`` the rate of an aircraft's equations of motion. ``recordings`` writes the flights of a folder as
+recordings of traffic, ``identification`` finds the laws that flew.
 """

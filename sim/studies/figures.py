@@ -11,6 +11,11 @@ from sim.metrics import table
 from sim.metrics.checks import OF_CONTRASTS, OF_TRACKERS, RATIOS, unit_of
 from sim.metrics.contrasts.pairing import TABLES
 from sim.metrics.ensemble.exceedance import Distribution, distribution
+from sim.reporting.drawing import contours
+from sim.reporting.drawing.colours import BLUE_RED, VIRIDIS, Colours, add_scale, cells
+from sim.reporting.drawing.figure import Axis, Panel
+from sim.reporting.drawing.marks import NONE, Points
+from sim.reporting.drawing.scales import LOGARITHMIC
 from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart
 from sim.reporting.text.labels import named, split, words
@@ -19,6 +24,7 @@ from sim.studies.theory import THEORIES, Line
 
 MOST_LINES = 6
 FINE = 101  # points of a line of theory over x
+LINES = (style.SOLID, style.BROKEN, style.DOTTED)  # of theory, in their order
 SECTIONS = 4  # lines of a map that are drawn beside theory
 OUTCOME_COLOURS = {
     "completed": style.SKY,
@@ -71,13 +77,10 @@ def _lines(scenario: Any, metrics: dict[str, Any], x: str, y: str) -> tuple[Line
     return THEORIES[scenario.study.theory].lines(scenario, fine, np.unique([*edges(up)[[0, -1]], *up]))
 
 
-def _draw(axes: Any, lines: Sequence[Line]) -> None:
+def _draw(axes: Panel, lines: Sequence[Line]) -> None:
     """Borders over a map, which keeps its own extent."""
-    extent = axes.get_xlim(), axes.get_ylim()
-    for line, dashes in zip(lines, ("-", "--", ":"), strict=False):
-        axes.plot(line.x, line.y, color=style.BLACK, linewidth=1.6, linestyle=dashes, label=line.label)
-    axes.set_xlim(extent[0])
-    axes.set_ylim(extent[1])
+    for line, dashes in zip(lines, LINES, strict=False):
+        axes.line(line.x, line.y, width=1.6, dashes=dashes, label=line.label)
 
 
 def scale(address: str, values: Sequence[Any]) -> Scale:
@@ -123,11 +126,11 @@ def _parts(name: str) -> tuple[str, str]:
     return named(name) if table.find(name) else split(own.replace(".", " "))
 
 
-def set_scale(axis: Any, scale: Scale) -> None:
+def set_scale(axis: Axis, scale: Scale) -> None:
     """The label of a scale and its words, where it has any."""
-    axis.set_label_text(scale.label)
+    axis.label = scale.label
     if scale.ticks is not None:
-        axis.set_ticks(scale.at, scale.ticks)
+        axis.ticks = list(zip(scale.at.tolist(), scale.ticks, strict=True))
 
 
 def _first_of_the_rest(metrics: dict[str, Any], kept: Sequence[str]) -> list[dict[str, Any]]:
@@ -172,45 +175,48 @@ def edges(at: np.ndarray) -> np.ndarray:
 def _map(name: str, x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line]) -> Chart:
     table = _table(metrics, x, y, lambda row: (figure_of(row, name) or {}).get("p50", np.nan))
     across, up = (scale(address, metrics["axes"][address]["values"]) for address in (x, y))
-    figure, (axes,) = style.panels(3.4, top=0.3 if lines else style.TOP)
-    axes.grid(False)
-    axes.set_facecolor(style.LIGHT)
+    figure, (axes,) = style.panels(3.4)
     ratio = " / " in name
     scaled = np.log10(table) if ratio else table
-    look = {"cmap": "RdBu_r", "vmin": -(most := np.nanmax(np.abs(scaled))), "vmax": most} if ratio else {}
-    mesh = axes.pcolormesh(edges(across.at), edges(up.at), scaled, linewidth=0, **look)
+    seen = scaled[np.isfinite(scaled)]
+    least, most = (float(seen.min()), float(seen.max())) if seen.size else (0.0, 1.0)
+    if ratio:
+        least, most = -max(abs(least), abs(most)), max(abs(least), abs(most))
+    colours = Colours(BLUE_RED if ratio else VIRIDIS, least, most)
+    _cells(axes, across, up, colours.of(scaled))
     _draw(axes, lines)
-    if lines:
-        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(lines))
-    if ratio and np.nanmin(scaled) < 0 < np.nanmax(scaled) and min(table.shape) > 1:
-        axes.contour(across.at, up.at, scaled, levels=[0.0], colors=style.BLACK, linewidths=1.4)
-    figure.colorbar(mesh, ax=axes, label="log10 of the ratio" if ratio else label(name), pad=0.02)
-    set_scale(axes.xaxis, across)
-    set_scale(axes.yaxis, up)
+    if ratio and seen.size and seen.min() < 0 < seen.max() and min(table.shape) > 1:
+        axes.line(*contours.lines(across.at, up.at, scaled, 0.0), width=1.4)
+    figure.legend = [axes.labelled]
+    add_scale(figure, colours, "log10 of the ratio" if ratio else label(name))
     caption = "Median of the flights of each cell; grey where no flight has the figure."
     if ratio:
         caption = "Ratio of medians, logarithmic; the black line is where the two are equal."
-    return Chart(label(name), style.data_uri(figure), caption + _at_fixed(metrics, (x, y)))
+    return Chart(label(name), figure, caption + _at_fixed(metrics, (x, y)))
+
+
+def _cells(axes: Panel, across: Scale, up: Scale, colours: Sequence[str]) -> None:
+    """A map of cells that fills its panel; grey where there is no colour."""
+    x, y = edges(across.at), edges(up.at)
+    axes.grid, axes.background = "", style.LIGHT
+    axes.x.limits, axes.y.limits = (float(x[0]), float(x[-1])), (float(y[0]), float(y[-1]))
+    cells(axes, x, y, colours)
+    set_scale(axes.x, across)
+    set_scale(axes.y, up)
 
 
 def _outcome_map(x: str, y: str, metrics: dict[str, Any], lines: Sequence[Line]) -> Chart:
     names = sorted(metrics["outcomes"])
     table = _table(metrics, x, y, lambda row: names.index(max(sorted(row["outcomes"]), key=row["outcomes"].get)))
     across, up = (scale(address, metrics["axes"][address]["values"]) for address in (x, y))
-    from matplotlib.colors import ListedColormap
-
-    figure, (axes,) = style.panels(3.4, top=0.3)
-    axes.grid(False)
-    colours = ListedColormap([OUTCOME_COLOURS.get(name, style.GREY) for name in names])
-    axes.pcolormesh(edges(across.at), edges(up.at), table, cmap=colours, vmin=-0.5, vmax=len(names) - 0.5)
-    for name in names:
-        axes.plot([], [], "s", color=OUTCOME_COLOURS.get(name, style.GREY), label=words(name))
+    colours = {name: OUTCOME_COLOURS.get(name, style.GREY) for name in names}
+    figure, (axes,) = style.panels(3.4)
+    _cells(axes, across, up, [colours[names[int(one)]] if np.isfinite(one) else "" for one in table.ravel()])
     _draw(axes, lines)
-    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(names) + 1)
-    set_scale(axes.xaxis, across)
-    set_scale(axes.yaxis, up)
+    key = [Points(NONE, NONE, colour, "s", size=6.0, label=words(name)) for name, colour in colours.items()]
+    figure.legend = [[*key, *axes.labelled]]
     caption = "The commonest outcome of each cell." + _at_fixed(metrics, (x, y))
-    return Chart("Outcomes", style.data_uri(figure), caption)
+    return Chart("Outcomes", figure, caption)
 
 
 def _sections(scenario: Any, metrics: dict[str, Any], x: str, y: str, shown: Sequence[str]) -> list[Chart]:
@@ -229,27 +235,27 @@ def _sections(scenario: Any, metrics: dict[str, Any], x: str, y: str, shown: Seq
     predicted = {value: theory.figures(scenario, [{x: float(at), y: value} for at in fine]) for value in chosen}
     charts = []
     for name in names:
-        figure, (axes,) = style.panels(2.8, top=0.5)
+        figure, (axes,) = style.panels(2.8)
         for i, value in enumerate(chosen):
             rows = [row for row in _first_of_the_rest(metrics, (x, y)) if row[y] == value]
             flown = [(figure_of(row, name) or {}).get("p50", np.nan) for row in rows]
             theirs = [np.nan if one is None else one for one in predicted[value][name]]
-            axes.plot([row[x] for row in rows], flown, "o", markersize=3.5, color=style.TRACKERS[i])
-            axes.plot(fine, theirs, color=style.TRACKERS[i], label=f"{label(y)} = {value:g}")
-        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
-        set_scale(axes.xaxis, across)
-        axes.set_ylabel(label(name))
+            axes.points([row[x] for row in rows], flown, colour=style.TRACKERS[i], marker="o", size=3.5)
+            axes.line(fine, theirs, colour=style.TRACKERS[i], label=f"{label(y)} = {value:g}")
+        figure.legend = [axes.labelled]
+        set_scale(axes.x, across)
+        axes.y.label = label(name)
         text = (
             "Dots: medians of the flights at their end; lines: the cycle that theory predicts, where it predicts one. "
             "A flight that ends while its swings still fade lies off the line."
         )
-        charts.append(Chart(f"{label(name)}: theory and flights", style.data_uri(figure), text))
+        charts.append(Chart(f"{label(name)}: theory and flights", figure, text))
     return charts
 
 
 def _curves(name: str, x: str, lines: str | None, metrics: dict[str, Any]) -> Chart:
     across = scale(x, metrics["axes"][x]["values"])
-    figure, (axes,) = style.panels(2.6, top=0.3 if lines else style.TOP)
+    figure, (axes,) = style.panels(2.6)
     kept = (x,) if lines is None else (x, lines)
     rows = _first_of_the_rest(metrics, kept)
     for i, value in enumerate(metrics["axes"][lines]["values"] if lines else [None]):
@@ -257,16 +263,16 @@ def _curves(name: str, x: str, lines: str | None, metrics: dict[str, Any]) -> Ch
         spread = [figure_of(row, name) or {} for row in chosen]
         low, mid, high = (np.array([one.get(p, np.nan) for one in spread]) for p in ("p5", "p50", "p95"))
         colour = style.TRACKERS[i]
-        text = None if lines is None else f"{label(lines)} = {value:g}" if isinstance(value, int | float) else value
-        axes.plot(across.at, mid, color=colour, marker="o", markersize=2.5, label=text)
-        axes.fill_between(across.at, low, high, color=colour, alpha=0.15, linewidth=0)
+        text = "" if lines is None else f"{label(lines)} = {value:g}" if isinstance(value, int | float) else str(value)
+        axes.line(across.at, mid, colour=colour, label=text)
+        axes.points(across.at, mid, colour=colour, marker="o", size=2.5)
+        axes.band(across.at, low, high, colour, alpha=0.15)
     _limits(axes, name, metrics["checks"])
-    if lines is not None:
-        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
-    set_scale(axes.xaxis, across)
-    axes.set_ylabel(label(name))
+    figure.legend = [axes.labelled]
+    set_scale(axes.x, across)
+    axes.y.label = label(name)
     caption = "Line: median of the flights; band: 5 % to 95 % of them." + _at_fixed(metrics, kept)
-    return Chart(label(name), style.data_uri(figure), caption)
+    return Chart(label(name), figure, caption)
 
 
 def _exceedances(found: Sequence[Distribution]) -> list[Chart]:
@@ -284,7 +290,7 @@ def _exceedance(found: Distribution) -> Chart:
 
     The values of a tail run outwards, and so do its steps.
     """
-    figure, (axes,) = style.panels(2.2, top=0.3)
+    figure, (axes,) = style.panels(2.2)
     limited = found.limits_below or found.limits_above
     for tail, limits, colour, text in (
         (found.below, found.limits_below, style.SKY, "below the value"),
@@ -292,23 +298,31 @@ def _exceedance(found: Distribution) -> Chart:
     ):
         if limited and not limits:
             continue
-        axes.step(tail.value, np.where(tail.share > 0, tail.share, np.nan), where="post", color=colour, label=text)
-        axes.fill_between(tail.value, tail.low, tail.high, step="post", color=colour, alpha=0.2, linewidth=0)
+        share, low, high = (_stairs(one) for one in (tail.share, tail.low, tail.high))
+        value = np.repeat(tail.value, 2)[1:]
+        axes.line(value, np.where(share > 0, share, np.nan), colour=colour, label=text)
+        axes.band(value, low, high, colour, alpha=0.2)
         for limit in limits:
-            axes.axvline(limit.value, color=style.VERMILION, linestyle="--", lw=0.8)
+            axes.rule(x=limit.value, colour=style.VERMILION, width=0.8, dashes=style.BROKEN)
             if limit.probability is not None:
-                axes.plot([limit.value], [limit.probability], "D", color=style.VERMILION, markersize=4, clip_on=False)
-    axes.set_yscale("log")
-    axes.set_ylim(0.3 / max(found.flights, 1), 1.0)
-    axes.yaxis.set_major_formatter(lambda share, _: f"{100 * share:g} %")
-    axes.set_xlabel(label(found.name))
-    axes.set_ylabel("share of flights")
-    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+                look = {"colour": style.VERMILION, "marker": "D", "size": 4.0, "free": True}
+                axes.points(limit.value, limit.probability, **look)
+    least = 0.3 / max(found.flights, 1)
+    axes.y.scale, axes.y.limits = LOGARITHMIC, (least, 1.0)
+    axes.y.ticks = [(share, f"{100 * share:g} %") for share in LOGARITHMIC.ticks(least, 1.0, 9)]
+    axes.x.label = label(found.name)
+    axes.y.label = "share of flights"
+    figure.legend = [axes.labelled]
     lacking = f"{found.without} flights without the figure count as beyond every value." if found.without else ""
-    return Chart(label(found.name), style.data_uri(figure), lacking)
+    return Chart(label(found.name), figure, lacking)
 
 
-def _limits(axes: Any, name: str, checks: Sequence[dict[str, Any]]) -> None:
+def _stairs(values: np.ndarray) -> np.ndarray:
+    """Each value held up to the next, over places that are all but the first taken twice."""
+    return np.repeat(values, 2)[:-1]
+
+
+def _limits(axes: Panel, name: str, checks: Sequence[dict[str, Any]]) -> None:
     for check in checks:
         if check["metric"] == name:
-            axes.axhline(check["limit"], color=style.VERMILION, linestyle="--", lw=0.8)
+            axes.rule(y=check["limit"], colour=style.VERMILION, width=0.8, dashes=style.BROKEN)

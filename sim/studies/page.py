@@ -7,8 +7,7 @@ from typing import Any
 
 from sim.metrics.ensemble.exceedance import answer, percent
 from sim.metrics.ensemble.verdict import worst_first
-from sim.reporting.figures import style
-from sim.reporting.page import rendered
+from sim.reporting.page import picture, rendered
 from sim.reporting.text.broken_checks import Again, broken_checks
 from sim.reporting.text.labels import ABSENT, words
 from sim.reporting.text.rows import every_flight, flights_of, kept_by
@@ -38,8 +37,7 @@ def page(
     ``again`` is how a flight is flown again.
     """
     shown = shown_metrics(scenario, metrics)
-    with style.drawing():
-        charts = [*map(ratio_chart, maps), *study_charts(scenario, metrics, records, shown)]
+    charts = [*map(ratio_chart, maps), *study_charts(scenario, metrics, records, shown)]
     predicted = metrics.get("predicted", {})
     ended = ", ".join(f"{count} {words(name)}" for name, count in sorted(metrics["outcomes"].items()))
     told = f"{flights_of(metrics)}: {ended}"
@@ -52,7 +50,7 @@ def page(
         ended=f"{told}." if answered else "",
         good=all(check["passed"] is not False for check in metrics["checks"]) and "crashed" not in metrics["outcomes"],
         failed=broken_checks(metrics, again),
-        charts=charts,
+        charts=[*map(picture, charts)],
         checks=[_check(check) for check in metrics["checks"]],
         exceedances=[_exceedance(one) for one in metrics.get("exceedances", ())],
         worst=_worst(scenario, metrics, records, again),

@@ -128,7 +128,7 @@ def designed_cells(planned: Study) -> tuple[dict[str, Any], ...]:
     refused = []
     for values in planned.cells:
         tables = with_values(base, values)
-        if INPUTS in tables.get("designed", {INPUTS: None}):
+        if "record" not in tables and INPUTS in tables.get("designed", {INPUTS: None}):
             kept = {name: value for name, value in tables.items() if name not in UNDESIGNED}
             quickness = {"autopilot": {k: v for k, v in kept.get("autopilot", {}).items() if k != "frequency_share"}}
             key = json.dumps({**kept, **quickness})  # how quick the law is changes no gain of the inner loops

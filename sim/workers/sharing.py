@@ -1,4 +1,4 @@
-"""Work shared with a helper process: trackers and figures of a run, claims of a ledger.
+"""Work shared with a helper process: trackers of a run, figures of a ledger.
 
 Code with calls to share asks for `current`. Within `with helper():` a part of the calls runs in the helper; results are
 the same as in this process, where all calls run if there is no helper or it is lost.

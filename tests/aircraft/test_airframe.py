@@ -109,9 +109,9 @@ def test_runway_elevation_moves_the_ground_and_not_the_height(steady):
 def test_geodetic_position_agrees_with_the_wgs84_degree():
     # a degree of latitude is 111.132 km and one of longitude 78.847 km at 45 deg (WGS 84 tables)
     runway = Runway(latitude=math.radians(45.0), longitude=math.radians(30.0))
-    latitude, longitude = runway.geodetic(1111.32, 788.47)
-    assert math.degrees(latitude) == pytest.approx(45.01, abs=1e-6)
-    assert math.degrees(longitude) == pytest.approx(30.01, abs=1e-6)
+    # meridians converge: each way is measured alone, in the plane that touches the earth at the threshold
+    assert np.degrees(runway.geodetic(1111.32, 0.0)) == pytest.approx((45.01, 30.0), abs=1e-6)
+    assert np.degrees(runway.geodetic(0.0, 788.47)) == pytest.approx((45.0, 30.01), abs=1e-6)
 
 
 @pytest.mark.parametrize("height", [50.0, 2000.0])

@@ -14,7 +14,7 @@ import pytest
 import sim
 from sim.claims.ledger import measure
 from sim.claims.verdict import number
-from sim.reporting.figures import style
+from sim.reporting.drawing import svg
 from sim.scenario import catalogue
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -92,13 +92,12 @@ def test_the_figure_shows_the_drift_across_north_and_nothing_without_any(capture
     state = captured.flight.state
     motion = {"velocity_north": 70.0, "velocity_east": 7.0, "heading": np.radians(359.0)}
     drifting = state._replace(**{name: np.full(len(state.time), value) for name, value in motion.items()})
-    with style.drawing():
-        figure = drift_history(dataclasses.replace(captured.flight, state=drifting))
-        assert style.data_uri(figure).startswith("data:image/svg+xml")
-        still = drifting._replace(heading=drifting.course)
-        assert drift_history(dataclasses.replace(captured.flight, state=still)) is None
-    (curve,) = figure.axes[1].lines
-    assert np.asarray(curve.get_ydata()) == pytest.approx(np.degrees(np.arctan(0.1)) + 1.0)
+    figure = drift_history(dataclasses.replace(captured.flight, state=drifting))
+    assert "drift, deg (+ right)" in svg.written(figure, "Drift")
+    still = drifting._replace(heading=drifting.course)
+    assert drift_history(dataclasses.replace(captured.flight, state=still)) is None
+    (curve,) = figure.panels[1].lines
+    assert curve.y == pytest.approx(np.degrees(np.arctan(0.1)) + 1.0)
 
 
 def test_the_claim_is_judged_by_the_print_and_not_by_itself():

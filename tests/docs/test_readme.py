@@ -22,7 +22,10 @@ PAGES = (
     README,
     ROOT / "CONTRIBUTING.md",
     *sorted((ROOT / "docs" / "tutorials").glob("*.md")),
-    *(ROOT / "docs" / f"{name}.md" for name in ("architecture", "choosing-a-tracker", "dispersion", "extending")),
+    *(
+        ROOT / "docs" / f"{name}.md"
+        for name in ("architecture", "choosing-a-tracker", "dispersion", "extending", "recordings")
+    ),
 )
 TEXTS = {page.name: page.read_text(encoding="utf-8") for page in PAGES}
 BLOCKS = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)

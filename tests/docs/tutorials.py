@@ -26,7 +26,7 @@ _FIGURE = re.compile(r"\]\(\.\./figures/tutorials/([^)]+)\)")
 
 DRIVER = """
 import contextlib, io, json, sys
-from sim.reporting.figures.style import import_matplotlib
+from sim.reporting.drawing.matplotlib_backend import import_matplotlib
 import_matplotlib()
 outputs, space = [], {"__name__": "__main__"}
 for code in json.load(sys.stdin):

@@ -14,9 +14,7 @@ from typing import NamedTuple
 HERE = Path(__file__).resolve().parent
 WATCH = HERE / "watch"
 ROOT = HERE.parents[1]
-OWN_PROCESSES = re.compile(  # the others are asked by Python's platform module and by matplotlib, which seeks fonts
-    r"from sim\.workers\.helper_process import serve|^uname -p$|^fc-list "
-)
+OWN_PROCESSES = re.compile(r"from sim\.workers\.helper_process import serve|^uname -p$")  # Python's platform asks uname
 
 
 class Answer(NamedTuple):

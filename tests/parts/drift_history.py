@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from sim.flight.record import Flight
+from sim.reporting.drawing.figure import Drawing
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import over_time, pad, phase_strip
 
@@ -14,15 +13,15 @@ STRIP = 0.17  # in, of the names of the phases
 CALM = np.radians(0.1)  # rad; a flight that never drifts more has nothing to show
 
 
-def drift_history(flight: Flight) -> Any | None:
+def drift_history(flight: Flight) -> Drawing | None:
     """Figure of the drift angle over time; None for a flight in air that does not move across it."""
     drift = np.angle(np.exp(1j * (flight.state.course - flight.state.heading)))
     if np.abs(drift).max() < CALM:
         return None
     figure, (strip, axes) = style.panels(STRIP, 1.5)
     phase_strip(strip, flight)
-    over_time(axes, flight, np.degrees(drift), color=style.BLUE)
+    over_time(axes, flight, np.degrees(drift), colour=style.BLUE)
     pad(axes, 2.0)
-    axes.set_xlabel("time, s")
-    axes.set_ylabel("drift, deg (+ right)")
+    axes.x.label = "time, s"
+    axes.y.label = "drift, deg (+ right)"
     return figure

@@ -6,7 +6,6 @@ the real one, so that nothing else knows their names.
 
 from __future__ import annotations
 
-import base64
 import importlib
 import re
 import shutil
@@ -28,11 +27,13 @@ from sim.estimation.trial import maker
 from sim.experiment import report, run_to_folder
 from sim.flight.preparation import prepare
 from sim.observation.sensor import broken_promises as broken_by_sensor
+from sim.reporting.drawing.marks import Area, Words
 from sim.scenario import catalogue
 from sim.scenario.parameters import construct
 from sim.scenario.reading import read
 from sim.scenario.schema import schema
 from sim.scenario.tables import Runway
+from tests.sim.drawn import drawings, marks
 from tracking.contract import broken_promises as broken_by_tracker
 
 PARTS = Path(__file__).resolve().parent.parent / "parts"
@@ -114,11 +115,11 @@ def test_a_new_wind_event_is_drawn_where_it_is(both):
     from sim.reporting.figures.weather import weather_charts
 
     result = both[0]
-    axes = plan_view(result.flight, result.scenario.runway, (0.0, 0.0), result.scenario.wind.events).axes[0]
-    (area,) = axes.patches
-    corners = area.get_xy()
+    (panel,) = plan_view(result.flight, result.scenario.runway, (0.0, 0.0), result.scenario.wind.events).panels
+    (area,) = marks(panel, Area)
+    (corners,) = area.rings
     assert np.hypot(corners[:, 0] + 2.5, corners[:, 1]) == pytest.approx(np.full(len(corners), 0.8))
-    assert "field" in [text.get_text() for text in axes.texts]
+    assert "field" in [words.text for words in marks(panel, Words)]
     titles = [title for title, _, _ in weather_charts(result.flight, result.scenario)]
     assert titles == ["Wind met", "Updraught field"]
 
@@ -260,8 +261,7 @@ def test_a_new_sensor_is_explained_drawn_and_reported(watched):
     assert re.search(r"doppler +doppler_radar +range, range_rate +0\.5", explain(result.scenario))
     page = (folder / "report.html").read_text()
     assert "What the sensors measured" in page
-    images = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', page)
-    drawn = [base64.b64decode(image).decode() for image in images]
+    drawn = drawings(page)
     assert any("doppler: range rate, m/s" in image for image in drawn)
     assert any(">doppler<" in image for image in drawn)  # its antenna on the plan
 
@@ -271,14 +271,14 @@ def test_what_a_sensor_covers_is_drawn_where_it_is(watched):
 
     cls = catalogue.load("sensors", "precision_radar")
     radar = construct(cls, {"position_m": [1200, 150, 3], "sector_deg": 20, "coverage_m": 9000}, runway=Runway())
-    axes = plan_view(watched[0].flight, Runway(), (0.0, 0.0), None, {"eye": radar}).axes[0]
-    (edge,) = [line for line in axes.lines if line.get_linewidth() == 0.7]
-    away = np.hypot(edge.get_xdata() - 1.2, edge.get_ydata() - 0.15)  # km; the final course runs north
+    (panel,) = plan_view(watched[0].flight, Runway(), (0.0, 0.0), None, {"eye": radar}).panels
+    (edge,) = [line for line in panel.lines if line.width == 0.7]
+    away = np.hypot(edge.x - 1.2, edge.y - 0.15)  # km; the final course runs north
     assert away[[0, -1]] == pytest.approx(0.0)
     assert away[1:-1] == pytest.approx(9.0)
-    half = np.degrees(np.arctan2(edge.get_ydata()[1:-1] - 0.15, 1.2 - edge.get_xdata()[1:-1]))
+    half = np.degrees(np.arctan2(edge.y[1:-1] - 0.15, 1.2 - edge.x[1:-1]))
     assert (half.min(), half.max()) == pytest.approx((-10.0, 10.0))
-    assert "eye" in [text.get_text() for text in axes.texts]
+    assert "eye" in [words.text for words in marks(panel, Words)]
 
 
 def test_a_new_sensor_is_recorded_and_exported_with_its_units(watched):

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import expm
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
+from tracking.law_bank import LawBank
 from tracking.measurement import MeasurementModel
 from tracking.reference_path import (
+    SLOWEST,
     SUB_STEP,
     Law,
+    Line,
     PathState,
     ReferencePath,
     check_tuning,
@@ -20,9 +25,12 @@ from tracking.reference_path import (
     sub_steps,
     uniform,
 )
+from tracking.track import ARMED, MANUAL
 from tracking.trackers import saturated_control
+from tracking.trackers.imm import ModelSet, improved_set, transitions
 
-MANUAL = "manual"  # the intent of free flight
+MANOEUVRE_STAY = 20.0  # s, of a turn or a change of speed under vectors: 60 deg of course, or 8 m/s
+DECELERATION = 0.4  # m/s2, of an airliner that slows down: the 35 kt of an approach within 45 s
 
 
 class Intent(NamedTuple):
@@ -30,28 +38,6 @@ class Intent(NamedTuple):
 
     mixture: Mixture
     place: Any
-
-
-class Bank(NamedTuple):
-    """The assumed law with its limits over an axis of hypotheses, and other laws in the last of them."""
-
-    assumed: Law
-    others: tuple[Law, ...]
-    batch: int  # axes of runs behind that of the hypotheses
-
-    @property
-    def bank_limit(self) -> Any:
-        """rad."""
-        return self.assumed.bank_limit
-
-    def __call__(self, deviation: Any) -> Any:
-        """Bank, rad, of every hypothesis."""
-        banks = self.assumed(deviation)
-        first = banks.shape[-1 - self.batch] - len(self.others)
-        for number, law in enumerate(self.others, first):
-            one = slice(number, number + 1)
-            banks[(..., one, *(slice(None),) * self.batch)] = law(deviation.of_hypotheses(one, self.batch))
-        return banks
 
 
 @dataclass(frozen=True)
@@ -71,8 +57,15 @@ class IntentImm:
     Of a law this tracker needs two facts more than others do: ``intent``, what it is called, and ``intercept``, the
     names of its fields that set the course of a far intercept: the limit itself, then what has to grow with it.
 
+    ``vectored``: the aircraft is led to its path by headings and speeds that a controller gives, as airliners are. Free
+    flight is then that of the improved set of `imm`: straight, slowing down, a turn to either side at the bank limit.
+    No chart tells the speed, so that every limit of the law is flown both at an even speed and slowing down. And one
+    hypothesis has the law armed: the heading is held until the law, which then has no limit on the intercept, turns the
+    aircraft towards the course of the leg.
+
     Model probabilities are in the order of `modes`. Modes are left at a rate of 1 / ``mean_stay`` for any other mode
-    alike, whatever the time between steps.
+    alike, whatever the time between steps. Under vectors, turns and changes of speed are left at 1 / `MANOEUVRE_STAY`,
+    and no law is left for being armed: an autopilot that has captured its path does not wait for it again.
     """
 
     law: Annotated[Any, "given"]
@@ -85,8 +78,11 @@ class IntentImm:
     straight_density: Annotated[float, "m2/s3"] = 0.05
     manoeuvre_density: Annotated[float, "m2/s3"] = 3.0
     sub_step: Annotated[float, "s"] = SUB_STEP
+    vectored: bool = False
 
     def __post_init__(self) -> None:
+        if self.vectored and isinstance(self.route, Line):
+            raise ValueError("vectored needs a route of legs: across one line there are no headings")
         if not self.limit_factors or not all(factor > 0.0 for factor in self.limit_factors):
             raise ValueError(f"limit_factors must be positive numbers, at least one, not {self.limit_factors}")
         if not self.law.intercept:
@@ -100,7 +96,7 @@ class IntentImm:
 
     @cached_property
     def _path(self) -> ReferencePath:
-        return reference_path(self.route, self.law)
+        return reference_path(replace(self.route, chart=None) if self.vectored else self.route, self.law)
 
     @property
     def _intents(self) -> tuple[str, ...]:
@@ -110,7 +106,23 @@ class IntentImm:
     @property
     def _laws(self) -> int:
         """How many hypotheses fly a law."""
-        return len(self.limit_factors) + len(self.alternative_laws)
+        return len(self._factors) + len(self.alternative_laws)
+
+    @property
+    def _factors(self) -> tuple[float, ...]:
+        """On the position limit, of each hypothesis of the assumed law."""
+        return (*self.limit_factors, *self.limit_factors, math.inf) if self.vectored else self.limit_factors
+
+    @cached_property
+    def _vectors(self) -> ModelSet:
+        """Free flight under vectors."""
+        bank = float(np.max(self.law.bank_limit))
+        return improved_set(self.straight_density, self.manoeuvre_density, -DECELERATION, bank)
+
+    @property
+    def _free(self) -> tuple[str, ...]:
+        """Names of the hypotheses of free flight."""
+        return self._vectors.names if self.vectored else ("straight", "manoeuvre")
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -118,22 +130,28 @@ class IntentImm:
 
     @property
     def modes(self) -> tuple[str, ...]:
-        """Names of the hypotheses: each law by the factor on its limit, the alternatives, then free flight."""
-        return (*(f"law x {factor:g}" for factor in self.limit_factors), *self._intents[1:], "straight", "manoeuvre")
+        """Names of the hypotheses: the law by the factors on its limit, the alternatives, then free flight."""
+        laws = tuple(f"law x {factor:g}" for factor in self.limit_factors)
+        vectored = (*(f"{law}, slowing" for law in laws), "law armed") if self.vectored else ()
+        return (*laws, *vectored, *self._intents[1:], *self._free)
 
     @property
     def intents(self) -> tuple[str, ...]:
-        """What each hypothesis says the aircraft follows: the intent of a law, or ``manual``."""
-        return (*(self._intents[0],) * len(self.limit_factors), *self._intents[1:], MANUAL, MANUAL)
+        """What each hypothesis says the aircraft follows: the intent of a law, ``armed`` or ``manual``."""
+        assumed = tuple(ARMED if math.isinf(factor) else self._intents[0] for factor in self._factors)
+        return (*assumed, *self._intents[1:], *(MANUAL,) * len(self._free))
 
     @property
     def limits(self) -> Any:
-        """The position limit of each law of the bank, in the order of `modes`."""
+        """The position limits of the law, in the order of ``limit_factors``."""
         return getattr(self.law, self.law.intercept[0]) * np.array(self.limit_factors)
 
     def flown_limit(self, estimate: Mixture) -> Any:
         """The position limit that is flown (*B): geometric mean over the bank, given that a law is flown at all."""
-        belief = estimate.weights[: len(self.limit_factors)]
+        count = len(self.limit_factors)
+        belief = estimate.weights[:count]
+        if self.vectored:
+            belief = belief + estimate.weights[count : 2 * count]
         return np.exp(np.einsum("m...,m->...", belief, np.log(self.limits)) / belief.sum(axis=0))
 
     def bank(self, batch: int) -> Law:
@@ -141,12 +159,13 @@ class IntentImm:
 
         What has to grow with the position limit grows: a law whose rate term cannot balance its position term orbits.
         """
-        factors = lift(np.array((*self.limit_factors, *(1.0,) * len(self.alternative_laws))), 1, batch)
-        limit, *others = self.law.intercept
+        others = len(self.alternative_laws)
+        factors = lift(np.array((*self._factors, *(1.0,) * others)), 1, batch)
+        limit, *growing = self.law.intercept
         limits = {limit: getattr(self.law, limit) * factors}
-        limits |= {name: getattr(self.law, name) * np.maximum(factors, 1.0) for name in others}
+        limits |= {name: getattr(self.law, name) * np.maximum(factors, 1.0) for name in growing}
         laws: Law = replace(self.law, **limits)
-        return Bank(laws, self.alternative_laws, batch) if self.alternative_laws else laws
+        return LawBank(laws, self.vectored, self.alternative_laws, batch) if self.vectored or others else laws
 
     def begin(self, prior: Gaussian) -> Intent:
         runs, count = prior.mean.shape[1:], len(self.modes)
@@ -179,14 +198,29 @@ class IntentImm:
         return Intent(Mixture(weights, means, np.concatenate(covs, axis=2)), place)
 
     def switched(self, probabilities: Any, dt: Any) -> Any:
-        """Model probabilities dt (s) later, before anything is measured: every mode is left at an even rate."""
-        count = len(self.modes)
-        stay = np.exp(-dt * count / ((count - 1) * self.mean_stay))
-        return stay * probabilities + (1.0 - stay) / count
+        """Model probabilities (k, M, *B) dt (s), a number or (k, 1, 1), later, before anything is measured."""
+        if np.ndim(dt) == 0:
+            return np.einsum("km...,mj->kj...", probabilities, self._switching(float(dt)))
+        after = np.empty_like(probabilities)
+        for step in np.unique(dt):
+            rows = np.ravel(dt) == step
+            after[rows] = self.switched(probabilities[rows], step)
+        return after
 
     def _switching(self, dt: float) -> Any:
-        """Switching probabilities over dt, a semigroup."""
-        return self.switched(np.eye(len(self.modes)), dt)
+        """Switching probabilities over dt, a semigroup; rows are "from"."""
+        return _exponential(self._rates, dt)
+
+    @cached_property
+    def _rates(self) -> tuple[tuple[float, ...], ...]:
+        """Rates (M, M), 1/s, of the switching; rows are "from"."""
+        leave, into = np.full(len(self.modes), 1.0 / self.mean_stay), 1.0 - np.eye(len(self.modes))
+        if self.vectored:
+            count, armed = len(self.limit_factors), len(self._factors) - 1
+            leave[count:armed] = leave[1 - len(self._free) :] = 1.0 / MANOEUVRE_STAY
+            into[: self._laws, armed] = 0.0
+        rates = leave[:, None] * into / into.sum(axis=1, keepdims=True)
+        return tuple(map(tuple, rates - np.diag(rates.sum(axis=1))))
 
     def _fly(self, laws: Mixture, place: Any, dt: float) -> tuple[Gaussian, Any]:
         """Every law by itself, all from the place on the path that their common estimate has."""
@@ -197,6 +231,8 @@ class IntentImm:
         Q = lift(uniform(self._path.axes, step, self.law_density)[1], 2, laws.cov.ndim - 2)
         for _ in range(count):
             gaussian = saturated_control.with_slope(law, self._path, PathState(gaussian, place), step, Q)
+            if self.vectored:
+                self._slow_down(gaussian.mean, step)
             place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), step)
         if rest:
             F, Q = uniform(self._path.axes, rest, self.law_density)
@@ -204,9 +240,26 @@ class IntentImm:
             place = self._path.advance(place, np.einsum("m...,im...->i...", share, gaussian.mean), rest)
         return gaussian, place
 
+    def _slow_down(self, mean: Any, dt: float) -> None:
+        """Take from the means (4, M, *B) of the slowing laws, in place, what dt of it takes from their speed."""
+        count = len(self.limit_factors)
+        slowing = mean[:, count : 2 * count]
+        velocity = slowing[1::2]
+        lost = np.minimum(DECELERATION * dt / np.maximum(np.hypot(*velocity), SLOWEST), 1.0) * velocity
+        slowing[1::2] -= lost
+        slowing[0::2] -= 0.5 * dt * lost
+
     def _coast(self, gaussian: Gaussian, dt: float) -> Gaussian:
-        """Free flight, straight and manoeuvring."""
+        """Every hypothesis of free flight by itself."""
+        if self.vectored:
+            return predict(gaussian, *transitions(self._vectors.models, dt, gaussian.mean))
         calm, F = uniform(self._path.axes, dt, self.straight_density)[::-1]
         wild = uniform(self._path.axes, dt, self.manoeuvre_density)[1]
         batch = gaussian.cov.ndim - 2
         return predict(gaussian, lift(F, 2, batch), lift(np.stack([calm, wild], axis=-1), 3, batch - 1))
+
+
+@lru_cache(maxsize=256)
+def _exponential(rates: tuple[tuple[float, ...], ...], dt: float) -> Any:
+    """Probabilities (M, M) of the transitions over dt (s) of a chain with these rates (1/s)."""
+    return expm(np.array(rates) * dt)

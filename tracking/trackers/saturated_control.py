@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, predict
 from tracking.measurement import MeasurementModel
@@ -17,15 +20,27 @@ from tracking.reference_path import (
     begin_on_path,
     channels_on_path,
     check_tuning,
+    coasted,
     corrected,
-    estimate_on_path,
     path_of,
     steering,
     sub_steps,
     uniform,
 )
+from tracking.tree import choose
 
 DENSITIES = {"paper": 0.03, "jacobian": 0.3}  # m2/s3, by the covariance: the choices of docs/densities.md
+FREE_DENSITY = 10.0  # m2/s3, of the straight flight that a law is set against: the choice for `kalman`
+ENGAGED = 30.0  # times likelier than what is believed a rival has to make the looks before it is believed itself
+
+
+class Awaited(NamedTuple):
+    """The estimate under the law and the one in free flight; what is not believed is the rival of what is."""
+
+    law: PathState
+    free: PathState
+    evidence: Any  # (*B) logarithm of the likelihood ratio for the rival since it started, never below zero
+    engaged: Any  # (*B) bool: whether the law is believed
 
 
 @dataclass(frozen=True)
@@ -48,6 +63,12 @@ class SaturatedControl:
     on its own; that is sharper, leaves less room for a mismatched law, and is far too sure of itself where the aircraft
     is flown on this estimate.
 
+    ``begins`` says when the law acts. ``at once``: from the first look on. ``engaged``: the law is waited for, as an
+    aircraft needs that is led to its path by headings. Straight flight with `FREE_DENSITY` is believed first, and the
+    law is its rival, which starts from the estimate of free flight anew as long as no look speaks for it. Once the
+    looks since then are `ENGAGED` times likelier by the law, the law is believed, and free flight becomes its rival: an
+    aircraft that leaves the law is followed by the same rule, Page's test to either side.
+
     Erratum: (6) printed without a unit of u, used the bank in radians, because g times the bank is the acceleration.
     """
 
@@ -57,10 +78,13 @@ class SaturatedControl:
     acceleration_density: Annotated[float | None, "m2/s3"] = None  # that of DENSITIES
     sub_step: Annotated[float, "s"] = SUB_STEP
     covariance: Literal["paper", "jacobian"] = "paper"
+    begins: Literal["at once", "engaged"] = "at once"
 
     def __post_init__(self) -> None:
         if self.covariance not in DENSITIES:
             raise ValueError(f"covariance is 'paper' or 'jacobian', not '{self.covariance}'")
+        if self.begins not in ("at once", "engaged"):
+            raise ValueError(f"begins is 'at once' or 'engaged', not '{self.begins}'")
         check_tuning(self.density, self.sub_step)
 
     @property
@@ -83,13 +107,45 @@ class SaturatedControl:
         return PathState(moved._replace(mean=mean), place)
 
     path, channels = cached_property(path_of), cached_property(channels_on_path)
-    begin, estimate = begin_on_path, estimate_on_path
 
-    def step(self, state: PathState, dt: float, z: Any | None, R: Any | None) -> tuple[PathState, Innovation | None]:
+    def begin(self, prior: Gaussian) -> PathState | Awaited:
+        state = begin_on_path(self, prior)
+        if self.begins == "at once":
+            return state
+        runs = prior.mean.shape[1:]
+        return Awaited(state, state, np.zeros(runs), np.zeros(runs, dtype=bool))
+
+    def estimate(self, state: PathState | Awaited) -> Gaussian:
+        if isinstance(state, PathState):
+            return state.gaussian
+        believed: Gaussian = choose(state.engaged, state.law.gaussian, state.free.gaussian)
+        return believed
+
+    def step(self, state: Any, dt: float, z: Any | None, R: Any | None) -> tuple[Any, Innovation | None]:
+        if isinstance(state, PathState):
+            return corrected(self, self._moved(state, dt) if dt > 0.0 else state, z, R)
         if dt > 0.0:
-            slope = self.covariance == "jacobian"
-            state = ahead_in_sub_steps(with_slope, self, state, dt, self.density) if slope else self._driven(state, dt)
-        return corrected(self, state, z, R)
+            free = coasted(self.path, state.free, dt, FREE_DENSITY)
+            state = state._replace(law=self._moved(state.law, dt), free=free)
+        return (state, None) if z is None else self._weighed(state, z, R)
+
+    def _moved(self, state: PathState, dt: float) -> PathState:
+        slope = self.covariance == "jacobian"
+        return ahead_in_sub_steps(with_slope, self, state, dt, self.density) if slope else self._driven(state, dt)
+
+    def _weighed(self, state: Awaited, z: Any, R: Any) -> tuple[Awaited, Innovation | None]:
+        """Both estimates updated, and which of them is believed from now on."""
+        (law, by_law), (free, by_free) = (corrected(self, one, z, R) for one in (state.law, state.free))
+        if by_law is None or by_free is None:
+            return state, None
+        innovation: Innovation = choose(state.engaged, by_law, by_free)
+        change = by_law.log_likelihood - by_free.log_likelihood
+        evidence = np.maximum(state.evidence + np.where(state.engaged, -change, change), 0.0)
+        changes = evidence > math.log(ENGAGED)
+        engaged, evidence = state.engaged ^ changes, np.where(changes, 0.0, evidence)
+        anew = evidence == 0.0  # the rival starts from what is believed
+        law, free = choose(anew & ~engaged, free, law), choose(anew & engaged, law, free)
+        return Awaited(law, free, evidence, engaged), innovation
 
 
 def with_slope(law: Law, path: ReferencePath, state: PathState, dt: float, Q: Any) -> Gaussian:

@@ -7,8 +7,15 @@ from typing import Any
 import numpy as np
 
 from sim.flight.record import Flight
-from sim.reporting.figures import style
-from sim.reporting.figures.histories import airframe_history, bank_history, error_history, final_errors, speed_history
+from sim.reporting.drawing.figure import Drawing
+from sim.reporting.figures.histories import (
+    airframe_history,
+    bank_history,
+    error_history,
+    final_errors,
+    motion_history,
+    speed_history,
+)
 from sim.reporting.figures.phase_portrait import phase_portrait
 from sim.reporting.figures.plan_view import plan_view
 from sim.reporting.figures.style import Chart
@@ -26,15 +33,16 @@ REGIONS = (
 def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
     """All figures of a flight that has something to show in them."""
     bank_limit, whole = scenario.autopilot.bank_limit, flight.whole
+    steady = None if flight.is_recorded else scenario.wind.steady
     drawn: list[Chart] = []
 
-    def add(title: str, figure: Any, caption: str) -> None:
-        drawn.append(Chart(title, style.data_uri(figure), caption))
+    def add(title: str, figure: Drawing, caption: str) -> None:
+        drawn.append(Chart(title, figure, caption))
 
-    with style.drawing(), np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"):
         add(
             "Plan view",
-            plan_view(whole, scenario.runway, scenario.wind.steady, scenario.wind.events, scenario.sensors),
+            plan_view(whole, scenario.runway, steady, scenario.wind.events, scenario.sensors),
             "Equal scales; turned so that the final course runs to the right, north as the arrow shows. The runway's "
             "length is drawn, not modelled. Dotted: what a sensor covers; a cross is its antenna.",
         )
@@ -46,23 +54,32 @@ def charts(flight: Flight, scenario: Any, law: Any) -> list[Chart]:
                 touchdown,
                 "Height of the aircraft's reference point; it stays above the ground when the wheels touch.",
             )
-        add(
-            "Bank and its limits",
-            bank_history(flight, law, bank_limit),
-            "Shaded: the command is at the bank limit." + (BARS if law.limits() else ""),
-        )
+        if flight.is_recorded:
+            add(
+                "Motion",
+                motion_history(whole, bank_limit),
+                "As recorded and smoothed: bank by the turn over the ground in still air, with the limit that trackers "
+                "are told; speed over the ground; rate of climb. What else the aircraft did nobody recorded.",
+            )
+        else:
+            add(
+                "Bank and its limits",
+                bank_history(flight, law, bank_limit),
+                "Shaded: the command is at the bank limit." + (BARS if law.limits() else ""),
+            )
         add(
             "Phase portrait of the law",
             phase_portrait(flight, law),
             "Coloured line: the flown deviations, by phase, each leg begun at a circle."
             + (REGIONS if law.limits() else ""),
         )
-        add(
-            "Speed and configuration",
-            speed_history(whole),
-            "True airspeed against its schedule, and the equivalent airspeed, which the wing feels and an indicator "
-            "shows; flaps and gear as they moved.",
-        )
+        if not flight.is_recorded:
+            add(
+                "Speed and configuration",
+                speed_history(whole),
+                "True airspeed against its schedule, and the equivalent airspeed, which the wing feels and an "
+                "indicator shows; flaps and gear as they moved.",
+            )
         airframe = airframe_history(whole)
         if airframe is not None:
             add(

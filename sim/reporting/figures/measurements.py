@@ -11,6 +11,7 @@ from sim.flight.interpolation import truth_at
 from sim.flight.record import Flight
 from sim.metrics.comparison import raw
 from sim.observation.sensor import quantity_of
+from sim.reporting.drawing.figure import Drawing
 from sim.reporting.figures import style
 from sim.reporting.figures.histories import TIME
 from sim.reporting.figures.style import Chart
@@ -28,13 +29,13 @@ def measurement_charts(flight: Flight, sensors: Mapping[str, Any], records: Mapp
     if not seen:
         return []
     left_out = f" {len(seen) - MOST_PANELS} more channels are not shown." if len(seen) > MOST_PANELS else ""
-    with style.drawing(), np.errstate(invalid="ignore"):
-        image = style.data_uri(measurement_errors(flight, sensors, records, seen[:MOST_PANELS]))
+    with np.errstate(invalid="ignore"):
+        figure = measurement_errors(flight, sensors, records, seen[:MOST_PANELS])
     caption = (
         "Measured minus true, draw 0, of every channel of every sensor. The lines are two of the standard deviations "
         f"that the sensor states.{left_out}"
     )
-    return [Chart("What the sensors measured", image, caption)]
+    return [Chart("What the sensors measured", figure, caption)]
 
 
 def _seen(record: Any) -> list[int]:
@@ -44,11 +45,11 @@ def _seen(record: Any) -> list[int]:
 
 def measurement_errors(
     flight: Flight, sensors: Mapping[str, Any], records: Mapping[str, Any], shown: list[tuple[str, int]]
-) -> Any:
+) -> Drawing:
     """Figure of the errors of ``shown`` channels, (sensor, row of its z), over time."""
     columns = min(COLUMNS, len(shown))
     rows = -(-len(shown) // columns)
-    figure, grid = style.grid(rows, columns, 0.8, top=0.05, own_scales=True)
+    figure, grid = style.grid(rows, columns, 0.8, own_scales=True)
     for axes, (name, row) in zip(grid, shown, strict=False):
         record, channel = records[name], records[name].channels[row]
         quantity = quantity_of(channel)
@@ -58,15 +59,13 @@ def measurement_errors(
         error = errors[f"{name}.{channel}{suffix}"].error[:, 0, 0]
         sigma = quantity.factor * np.sqrt(record.R[:, row, row] if record.R.ndim == 3 else record.R[:, row, row, 0])
         few = peaks(error, MOST_POINTS)
-        axes.plot(record.time[few], error[few], color=style.BLUE, linewidth=0.4)
+        axes.line(record.time[few], error[few], colour=style.BLUE, width=0.4)
         few = peaks(sigma, MOST_POINTS // 4)
         for side in (-2.0, 2.0):
-            axes.plot(record.time[few], side * sigma[few], color=style.BLACK, linewidth=0.6)
-        axes.set_title(", ".join(filter(None, (f"{words(name)}: {words(channel)}", unit(quantity.unit)))), fontsize=7)
-        axes.set_xlim(float(flight.time[0]), float(flight.time[-1]) + 1e-6)
-    for axes in grid[len(shown) :]:
-        axes.set_axis_off()
-    for axes in grid[max(0, len(shown) - columns) : len(shown)]:
-        axes.tick_params(labelbottom=True)
-        axes.set_xlabel(TIME)
+            axes.line(record.time[few], side * sigma[few], colour=style.BLACK, width=0.6)
+        axes.title = ", ".join(filter(None, (f"{words(name)}: {words(channel)}", unit(quantity.unit))))
+        axes.title_size = 7.0
+        axes.x.limits = float(flight.time[0]), float(flight.time[-1]) + 1e-6
+    style.end_columns(figure, len(shown), columns)
+    grid[0].x.label = TIME
     return figure

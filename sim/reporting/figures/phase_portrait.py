@@ -10,6 +10,9 @@ import numpy as np
 from autopilot.mode import LimitedInput, Mode
 from autopilot.route import PathDeviation
 from sim.flight.record import Flight, runs
+from sim.reporting.drawing import contours
+from sim.reporting.drawing.figure import Box, Drawing, Panel
+from sim.reporting.drawing.marks import PAPER
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase
 from sim.reporting.figures.deviations import COMPONENTS
@@ -17,7 +20,7 @@ from sim.reporting.figures.deviations import COMPONENTS
 GRID = 121  # points a side; the law is piecewise linear, so its edges are exact but for the corners
 UNLIMITED = 1e6  # rad, a bank limit that no command reaches
 RIGHT_LIMIT, LEFT_LIMIT = "#CFE7F7", "#F7DFB0"
-HEIGHT, BELOW, ABOVE = 3.35, 0.42, 0.53  # in, of the figure and of its margins
+HEIGHT, TOP = 2.4, 16.0  # in, of the panels; points, of their titles
 TITLES = ("whole flight", "near the leg")
 
 
@@ -57,32 +60,28 @@ def plane_of(law: Mode) -> Plane:
     return Plane(*(*inputs, *more)[:2])
 
 
-def phase_portrait(flight: Flight, law: Mode) -> Any:
+def phase_portrait(flight: Flight, law: Mode) -> Drawing:
     """Figure of the flown path in the plane of the law's inputs: the whole, and near the leg.
 
     The saturation regions are those of the law itself, evaluated on a grid [Vasylyev 2003, eq. (4), (5)].
     """
-    from matplotlib.figure import Figure
-
     plane = plane_of(law)
-    figure = Figure((style.WIDTH, HEIGHT))
-    width = (style.WIDTH - 2 * style.LEFT - style.RIGHT) / 2
+    width, height = (style.WIDTH - 2 * style.LEFT - style.RIGHT) / 2 * style.INCH, HEIGHT * style.INCH
+    boxes = [Box(style.LEFT * style.INCH + i * (width + style.LEFT * style.INCH), TOP, width, height) for i in (0, 1)]
+    panels = [Panel(box) for box in boxes]
+    figure = Drawing(style.WIDTH * style.INCH, TOP + height + style.BOTTOM * style.INCH, panels)
     x, y = _values(flight, plane)
-    for i, (half_x, half_y) in enumerate((_whole(x, y, plane), _near(plane))):
-        left = style.LEFT + i * (width + style.LEFT)
-        box = (left / style.WIDTH, BELOW / HEIGHT, width / style.WIDTH, (HEIGHT - BELOW - ABOVE) / HEIGHT)
-        axes = figure.add_axes(box)
+    begun = [first for first, _ in runs(flight.leg)]
+    for axes, (half_x, half_y), title in zip(panels, (_whole(x, y, plane), _near(plane)), TITLES, strict=True):
         _law_regions(axes, law, plane, half_x, half_y)
         by_phase(axes, flight, x, y)
-        begun = [first for first, _ in runs(flight.leg)]
-        axes.plot(x[begun], y[begun], "o", color="white", markeredgecolor=style.BLACK, markersize=4.5, zorder=4)
-        axes.set_xlim(-half_x, half_x)
-        axes.set_ylim(-half_y, half_y)
-        axes.set_xlabel(COMPONENTS[plane.x.of].label)
-        axes.set_ylabel(COMPONENTS[plane.y.of].label if i == 0 else "")
-        axes.locator_params(axis="x", nbins=5)
-        axes.set_title(TITLES[i], pad=3)
-    _legend(figure, plane)
+        axes.points(x[begun], y[begun], marker="o", size=4.5, fill=PAPER, order=4, label="leg begun")
+        axes.x.limits, axes.y.limits = (-half_x, half_x), (-half_y, half_y)
+        axes.x.label = COMPONENTS[plane.x.of].label
+        axes.x.most, axes.grid = 5, ""
+        axes.title = title
+    panels[0].y.label = COMPONENTS[plane.y.of].label
+    figure.legend = [panels[0].labelled]
     return figure
 
 
@@ -119,38 +118,22 @@ def _command(law: Any, plane: Plane, x: np.ndarray, y: np.ndarray) -> np.ndarray
     return np.asarray(law(PathDeviation(**fields)))
 
 
-def _law_regions(axes: Any, law: Any, plane: Plane, half_x: float, half_y: float) -> None:
+def _law_regions(axes: Panel, law: Any, plane: Plane, half_x: float, half_y: float) -> None:
     """Shade where the bank command is at its limit, draw the limits of the inputs and the line of wings level."""
     if not np.isfinite(plane.ratio):
         return
     x, y = np.linspace(-half_x, half_x, GRID), np.linspace(-half_y, half_y, GRID)
     # without its bank limit the law is continuous and the contours fall between the grid points
     share = _command(dataclasses.replace(law, bank_limit=UNLIMITED), plane, x[None, :], y[:, None]) / law.bank_limit
-    axes.contourf(x, y, share, levels=[-1e9, -1.0, 1.0, 1e9], colors=[LEFT_LIMIT, "#FFFFFF", RIGHT_LIMIT])
-    axes.contour(x, y, share, levels=[0.0], colors=[style.BLACK], linewidths=1.0, linestyles=["dashed"])
-    for limit, line in ((plane.x_limit, axes.axvline), (plane.y_limit, axes.axhline)):
-        for side in (-1, 1) if np.isfinite(limit) else ():
-            line(side * limit, color=style.VERMILION, linewidth=0.8, dashes=(1.5, 1.5))
-
-
-def _legend(figure: Any, plane: Plane) -> None:
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    start = Line2D([], [], linestyle="", marker="o", color="white", markeredgecolor=style.BLACK, markersize=4.5)
-    entries: list[tuple[Any, str]] = [(start, "leg begun")]
-    if np.isfinite(plane.ratio):
-        level = "wings level"
-        if np.isfinite(plane.intercept):
-            level += f" (intercept at {plane.intercept:.1f} {COMPONENTS[plane.y.of].unit})"
-        entries += [
-            (Patch(color=RIGHT_LIMIT), "bank limit, right"),
-            (Patch(color=LEFT_LIMIT), "bank limit, left"),
-            (Line2D([], [], color=style.BLACK, linestyle="--", linewidth=1.0), level),
-            (Line2D([], [], color=style.VERMILION, dashes=(1.5, 1.5), linewidth=0.8), "limits of inputs"),
-        ]
-    handles, labels = zip(*entries, strict=True)
-    figure.legend(
-        handles, labels, loc="upper left", ncols=len(entries), columnspacing=1.1, handletextpad=0.4,
-        bbox_to_anchor=(style.LEFT / style.WIDTH, 1.0),
-    )  # fmt: skip
+    for side, colour, name in ((1.0, RIGHT_LIMIT, "right"), (-1.0, LEFT_LIMIT, "left")):
+        axes.area(contours.regions(x, y, side * share, 1.0, 1e9), colour, label=f"bank limit, {name}")
+    level = "wings level"
+    if np.isfinite(plane.intercept):
+        level += f" (intercept at {plane.intercept:.1f} {COMPONENTS[plane.y.of].unit})"
+    axes.line(*contours.lines(x, y, share, 0.0), width=1.0, dashes=(3.7, 1.6), order=1.5, label=level)
+    look: dict[str, Any] = {"colour": style.VERMILION, "width": 0.8, "dashes": (1.5, 1.5), "label": "limits of inputs"}
+    for side in (-1.0, 1.0):
+        if np.isfinite(plane.x_limit):
+            axes.rule(x=side * plane.x_limit, **look)
+        if np.isfinite(plane.y_limit):
+            axes.rule(y=side * plane.y_limit, **look)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim.flight.record import Flight
+from sim.reporting.drawing.figure import Drawing, Panel
+from sim.reporting.drawing.marks import PAPER
 from sim.reporting.figures import style
-from sim.reporting.figures.curves import by_phase, phase_handles
+from sim.reporting.figures.curves import by_phase, phase_key
 from sim.reporting.text.labels import words
 from sim.scenario.tables import Runway
 
@@ -24,14 +26,14 @@ ARROWS = 62.0  # points between the north arrow and the wind arrow
 def plan_view(
     flight: Flight,
     runway: Runway,
-    wind: tuple[float, float],
+    wind: tuple[float, float] | None,
     events: Mapping[str, Any] | None = None,
     sensors: Mapping[str, Any] | None = None,
-) -> Any:
+) -> Drawing:
     """Figure with equal axes, in km from the threshold along and to the right of the final course.
 
-    ``wind`` is the steady one, the way the air moves, m/s (north, east); ``events`` and ``sensors`` are drawn by their
-    outlines.
+    ``wind`` is the steady one, the way the air moves, m/s (north, east), None = unknown; ``events`` and
+    ``sensors`` are drawn by their outlines.
     """
     course = flight.route.legs[-1].course
     c, s = math.cos(course), math.sin(course)
@@ -51,68 +53,48 @@ def plan_view(
         bounds = extent((x, corner_x, runway_x), (y, corner_y, runway_y))
     figure, axes = _equal_axes(bounds)
 
-    axes.plot(corner_x, corner_y, color="#555555", linewidth=0.8, dashes=(5, 3), zorder=1.5, label="route")
-    axes.plot(
-        corner_x,
-        corner_y,
-        "^",
-        color="white",
-        markeredgecolor="#555555",
-        markersize=5,
-        label="point of the route",
-    )
+    axes.line(corner_x, corner_y, colour="#555555", width=0.8, dashes=(5, 3), order=1.5, label="route")
+    axes.points(corner_x, corner_y, colour="#555555", marker="^", size=5.0, fill=PAPER, label="point of the route")
     if shown:
-        axes.plot(runway_x, runway_y, color=style.BLACK, linewidth=4, solid_capstyle="butt", alpha=0.75, label="runway")
+        axes.line(runway_x, runway_y, width=4.0, butt=True, alpha=0.75, label="runway")
     for name, event in (events or {}).items():
         edge = event.outline()
         if edge:
             _area(axes, name, *turned(*np.array(edge).T))
     for name, sensor in (sensors or {}).items():
-        _sensor(axes, name, sensor, turned)
+        _sensor(figure, name, sensor, turned)
     by_phase(axes, flight, x, y)
     switched = np.flatnonzero(np.diff(flight.leg)) + 1
     if switched.size:
-        axes.plot(
-            x[switched],
-            y[switched],
-            "D",
-            color="white",
-            markeredgecolor=style.BLACK,
-            markersize=4.5,
-            zorder=4,
-            label="turn begun",
-        )
-    axes.plot(x[:1], y[:1], "o", color="white", markeredgecolor=style.BLACK, markersize=5.5, zorder=4, label="start")
-    axes.plot(x[-1:], y[-1:], "X", color=style.BLACK, markersize=6.5, zorder=5, label=f"end: {words(flight.outcome)}")
+        axes.points(x[switched], y[switched], marker="D", size=4.5, fill=PAPER, order=4, label="turn begun")
+    axes.points(x[:1], y[:1], marker="o", size=5.5, fill=PAPER, order=4, label="start")
+    axes.points(x[-1:], y[-1:], marker="X", size=6.5, order=5, label=f"end: {words(flight.outcome)}")
     _compass(axes, course, wind, _points((x, corner_x, runway_x), (y, corner_y, runway_y)))
-    _legend(figure, axes, flight)
-    axes.set_xlabel("along the final course, km past the threshold")
-    axes.set_ylabel("right of the threshold, km")
+    figure.legend = [phase_key(flight), axes.labelled]  # the phases, then everything else
+    axes.x.label = "along the final course, km past the threshold"
+    axes.y.label = "right of the threshold, km"
     return figure
 
 
-def _area(axes: Any, name: str, x: np.ndarray, y: np.ndarray) -> None:
+def _area(axes: Panel, name: str, x: np.ndarray, y: np.ndarray) -> None:
     """The inside of a closed line, named at its upper edge."""
-    axes.fill(x, y, color=style.SKY, alpha=0.25, linewidth=0)
-    middle = (x.min() + x.max()) / 2
-    axes.annotate(name, (middle, y.min()), ha="center", va="bottom", fontsize=6.5, color=style.BLUE, clip_on=True)
+    axes.area([np.column_stack((x, y))], style.SKY, alpha=0.25)
+    axes.words(name, (x.min() + x.max()) / 2, y.min(), up=2.0, size=6.5, colour=style.BLUE)
 
 
-def _sensor(axes: Any, name: str, sensor: Any, turned: Callable[[Any, Any], tuple[Any, Any]]) -> None:
+def _sensor(figure: Drawing, name: str, sensor: Any, turned: Callable[[Any, Any], tuple[Any, Any]]) -> None:
     """The edge of what a sensor covers, and its antenna, named; what lies outside the frame is cut off."""
+    (axes,) = figure.panels
     edge = sensor.outline()
     if edge:
         x, y = turned(*np.array((*edge, edge[0])).T)
-        axes.plot(x, y, color=style.GREY, linewidth=0.7, dashes=(1, 1.5), zorder=1.3)
+        axes.line(x, y, colour=style.GREY, width=0.7, dashes=(1, 1.5), order=1.3)
     if sensor.antenna is not None:
         x, y = turned(*sensor.antenna[:2])
-        axes.plot([x], [y], "x", color=style.GREY, markersize=4, zorder=3)
-        left, right = axes.get_xlim()
-        side, away = ("left", 3) if x < right - 0.15 * (right - left) else ("right", -3)
-        axes.annotate(
-            words(name), (x, y), xytext=(away, 3), textcoords="offset points", fontsize=6.5, color=style.GREY,
-            annotation_clip=True, ha=side,
-        )  # fmt: skip
+        axes.points(x, y, colour=style.GREY, marker="x", size=4.0, order=3)
+        left, right = figure.limits(axes.x)
+        anchor, away = ("start", 3.0) if x < right - 0.15 * (right - left) else ("end", -3.0)
+        axes.words(words(name), x, y, right=away, up=3.0, size=6.5, colour=style.GREY, anchor=anchor)
 
 
 def extent(xs: tuple[Any, ...], ys: tuple[Any, ...]) -> tuple[float, float, float, float]:
@@ -141,54 +123,70 @@ def _inside(extent: tuple[float, float, float, float], x: float, y: float) -> bo
     return abs(x - (left + right) / 2) < reach and abs(y - (low + high) / 2) < reach
 
 
-def _equal_axes(extent: tuple[float, float, float, float]) -> tuple[Any, Any]:
+def _equal_axes(extent: tuple[float, float, float, float]) -> tuple[Drawing, Panel]:
     """Axes that fill the width where they can; the shorter side is given more room, never another scale."""
     left, right, low, high = extent
     width = style.WIDTH - style.LEFT - style.RIGHT
     height = min(max(width * (high - low) / (right - left), LOWEST), TALLEST)
     scale = max((right - left) / width, (high - low) / height)  # km per inch
     spare_x, spare_y = width * scale - (right - left), height * scale - (high - low)
-    figure, (axes,) = style.panels(height, top=0.52)
-    axes.set_xlim(left - spare_x / 2, right + spare_x / 2)
-    axes.set_ylim(high + spare_y / 2, low - spare_y / 2)  # right is down, as on a map that is turned and not mirrored
-    axes.set_aspect("equal")
+    figure, (axes,) = style.panels(height)
+    axes.x.limits = left - spare_x / 2, right + spare_x / 2
+    axes.y.limits = high + spare_y / 2, low - spare_y / 2  # right is down, as on a map that is turned and not mirrored
     return figure, axes
 
 
-def _compass(axes: Any, course: float, wind: tuple[float, float], busy: np.ndarray) -> None:
+def _compass(axes: Panel, course: float, wind: tuple[float, float] | None, busy: np.ndarray) -> None:
     """North and wind as arrows of fixed size where the figure is emptiest; ``busy`` is what they must not cover."""
-    speed = math.hypot(*wind)
-    across, up = _emptiest(axes, busy)
+    window = Window(axes.x.limits, axes.y.limits, (axes.box.width, axes.box.height))
+    across, up = _emptiest(window, busy)
     left, right = (across - ARROWS / 2, up), (across + ARROWS / 2, up)
-    _arrow(axes, left, (math.cos(course), math.sin(course)), "north", style.BLACK)
+    _arrow(axes, window, left, (math.cos(course), math.sin(course)), "north", style.BLACK)
+    if wind is None:
+        return
+    speed = math.hypot(*wind)
     if speed == 0.0:
-        _text(axes, right, "calm", style.BLUE)
+        axes.words("calm", *window.values(right), above=0.5, colour=style.BLUE)
         return
     along = (wind[0] * math.cos(course) + wind[1] * math.sin(course)) / speed
     beside = (wind[1] * math.cos(course) - wind[0] * math.sin(course)) / speed
     comes_from = math.degrees(math.atan2(-wind[1], -wind[0])) % 360
-    _arrow(axes, right, (along, -beside), f"wind {comes_from:03.0f}°, {speed:.0f} m/s", style.BLUE)
+    _arrow(axes, window, right, (along, -beside), f"wind {comes_from:03.0f}°, {speed:.0f} m/s", style.BLUE)
 
 
-def _arrow(axes: Any, centre: tuple[float, float], direction: tuple[float, float], text: str, colour: str) -> None:
+class Window(NamedTuple):
+    """Linear axes: values, and points from their lower left corner."""
+
+    x: tuple[Any, Any]
+    y: tuple[Any, Any]
+    size: tuple[float, float]  # points
+
+    def points(self, values: np.ndarray) -> np.ndarray:
+        """(n, 2) points of values."""
+        low, high = np.array((self.x, self.y), float).T
+        return np.asarray((values - low) / (high - low) * self.size)
+
+    def values(self, points: tuple[float, float]) -> tuple[float, float]:
+        """Values at a place."""
+        low, high = np.array((self.x, self.y), float).T
+        x, y = low + np.array(points) / self.size * (high - low)
+        return float(x), float(y)
+
+
+def _arrow(
+    axes: Panel, window: Window, centre: tuple[float, float], direction: tuple[float, float], text: str, colour: str
+) -> None:
     """An arrow of 32 points about ``centre`` (points from the lower left corner of the axes), its name below."""
     dx, dy = 16 * direction[0], 16 * direction[1]
-    axes.annotate(
-        "", (centre[0] + dx, centre[1] + dy), (centre[0] - dx, centre[1] - dy), xycoords="axes points",
-        textcoords="axes points", arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.5},
-    )  # fmt: skip
-    _text(axes, (centre[0], centre[1] - 9 - abs(dy)), text, colour)
+    x, y = window.values((centre[0] - dx, centre[1] - dy))
+    axes.arrows(x, y, 2 * dx, 2 * dy, colour=colour, width=1.5, head=7.0)
+    x, y = window.values((centre[0], centre[1] - 9 - abs(dy)))
+    axes.words(text, x, y, above=0.5, colour=colour)
 
 
-def _text(axes: Any, place: tuple[float, float], text: str, colour: str) -> None:
-    axes.annotate(text, place, xycoords="axes points", ha="center", va="center", color=colour, fontsize=7)
-
-
-def _emptiest(axes: Any, busy: np.ndarray) -> tuple[float, float]:
+def _emptiest(window: Window, busy: np.ndarray) -> tuple[float, float]:
     """Where, in points from the lower left corner, a box of arrows is farthest from all ``busy`` points."""
-    box = axes.get_position()
-    size = np.array((box.width * style.WIDTH, box.height * axes.figure.get_figheight())) * 72
-    points = axes.transAxes.inverted().transform(axes.transData.transform(busy)) * size
+    size, points = np.array(window.size), window.points(busy)
     half = np.array((ARROWS, 30.0))
     best, place = -math.inf, size / 2
     for across in np.linspace(half[0] + 10, size[0] - half[0] - 10, 15):
@@ -199,11 +197,3 @@ def _emptiest(axes: Any, busy: np.ndarray) -> tuple[float, float]:
             if score > best:
                 best, place = score, np.array((across, up))
     return float(place[0]), float(place[1])
-
-
-def _legend(figure: Any, axes: Any, flight: Flight) -> None:
-    """Two rows above the map: the phases, then everything else."""
-    height = figure.get_figheight()
-    place = {"loc": "upper left", "borderaxespad": 0.0, "columnspacing": 1.1, "handletextpad": 0.4, "ncols": 10}
-    for (handles, labels), down in ((phase_handles(flight), 0.02), (axes.get_legend_handles_labels(), 0.19)):
-        figure.legend(handles, labels, bbox_to_anchor=(style.LEFT / style.WIDTH, 1 - down / height), **place)

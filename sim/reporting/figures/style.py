@@ -1,36 +1,34 @@
-"""How figures look: colours that the colour-blind can tell apart, text that prints on A4, one way to embed."""
+"""How figures look: colours that the colour-blind can tell apart, text that prints on A4, places of their panels."""
 
 from __future__ import annotations
 
-import base64
-import contextlib
-import gc
-import io
-import logging
-import os
-import sys
-import tempfile
-from collections.abc import Iterator
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from sim.reporting.drawing.figure import Axis, Box, Drawing, Panel
+from sim.reporting.drawing.marks import INK
 
+INCH = 72.0  # points
 WIDTH = 7.2  # in, of every figure: the text width of an A4 page
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.68, 0.12, 0.10, 0.40, 0.10  # in, so that the time axes of all figures agree
+TITLE = 0.22  # in, room for the title of a small panel
 
 # Okabe and Ito's set, without the yellow that vanishes on white
-BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+BLACK, ORANGE, SKY, GREEN = INK, "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
 LIGHT = "#E4E4E4"
 SHADE = "#DFE6EC"
 TRACKERS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, "#332288", "#7A5230", "#999933", "#444444")
-SOLID, DASHED = (None, None), (3.2, 1.6)
+SOLID: tuple[float, ...] = ()
+BROKEN, DOTTED = (3.7, 1.6), (1.0, 1.65)  # in widths of the line, of theory and limits
+DASHES = ((3.2, 1.6), (1.5, 1.1), (6.5, 1.6))  # in widths of the line, of mismatched laws
+DOT_DASHES = (SOLID, (7.0, 1.5, 1.2, 1.5), (7.0, 1.5, 1.2, 1.5, 1.2, 1.5))  # once all colours are taken, once more
+SHARES = ((0.0, "0"), (0.5, "0.5"), (1.0, "1"))  # ticks of a probability
 DARK = (BLACK, BLUE, VERMILION, GREEN)  # on which text is white
 
 PHASE_COLOURS = {
+    "vectors": BLUE,
+    "capture": VERMILION,
+    "established": GREEN,
     "intercept": GREY,
     "downwind": BLUE,
     "base_turn": ORANGE,
@@ -44,45 +42,22 @@ PHASE_COLOURS = {
     "rollout": ORANGE,
 }
 
-_STYLE: dict[Any, object] = {  # by the keys of matplotlib, which not all of its versions type
-    "font.family": "sans-serif",
-    "font.size": 8.0,
-    "axes.labelsize": 8.0,
-    "axes.titlesize": 8.0,
-    "axes.titlelocation": "left",
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.formatter.useoffset": False,
-    "grid.color": LIGHT,
-    "grid.linewidth": 0.5,
-    "lines.linewidth": 1.1,
-    "lines.solid_capstyle": "round",
-    "xtick.labelsize": 7.5,
-    "ytick.labelsize": 7.5,
-    "xtick.bottom": False,  # the grid marks the places; a mark less is a tenth of a second less
-    "ytick.left": False,
-    "legend.fontsize": 7.5,
-    "legend.frameon": False,
-    "legend.handlelength": 1.6,
-    "legend.borderaxespad": 0.2,
-    "legend.borderpad": 0.2,
-    "svg.fonttype": "none",  # text stays text: smaller, sharper, readable by a screen reader
-    "svg.hashsalt": "shortfinal",
-    "path.simplify": True,
-    "text.parse_math": False,
-}
+
+class Key(NamedTuple):
+    """A line that the page names beside a figure, where a reader of a telephone can read it."""
+
+    name: str
+    colour: str
+    dashes: tuple[float, ...] = SOLID  # in widths of the line
 
 
 class Chart(NamedTuple):
     """A figure with what the reader should see in it."""
 
     title: str
-    image: str  # data URI
+    figure: Drawing
     caption: str
-    keys: tuple[tuple[str, str, bool], ...] = ()  # (name, colour, whether dashed) of its lines, named by the page
+    keys: tuple[Key, ...] = ()
 
 
 def phase_colour(name: str) -> str:
@@ -90,101 +65,52 @@ def phase_colour(name: str) -> str:
     return PHASE_COLOURS.get(name, GREY)
 
 
-def import_matplotlib() -> None:
-    """Import matplotlib so that it leaves nothing in the user's home: its list of fonts is made in a temporary folder.
-
-    A list that an earlier use of matplotlib left is read, which is faster and writes nothing.
-    """
-    if "matplotlib.font_manager" in sys.modules or "MPLCONFIGDIR" in os.environ:
-        return
-    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "matplotlib"
-    if any(cache.glob("fontlist-*.json")):
-        return
-    with tempfile.TemporaryDirectory() as place:
-        os.environ["MPLCONFIGDIR"] = place
-        try:
-            import matplotlib.font_manager  # noqa: F401 (for what it writes)
-        finally:
-            del os.environ["MPLCONFIGDIR"]
-
-
-def get_ready() -> None:
-    """Import now what the first figure would import."""
-    import_matplotlib()
-    import matplotlib.backends.backend_svg
-    import matplotlib.figure  # noqa: F401
-
-
-@contextlib.contextmanager
-def drawing() -> Iterator[None]:
-    """Within, matplotlib draws in this style without its messages about fonts; afterwards the user's settings hold."""
-    logger = logging.getLogger("matplotlib")
-    level = logger.level
-    logger.setLevel(logging.ERROR)
-    gc.freeze()  # what a run left need not be searched for garbage again and again while figures come and go
-    try:
-        import_matplotlib()
-        import matplotlib
-
-        with matplotlib.rc_context():
-            matplotlib.rcdefaults()
-            matplotlib.rcParams.update(_STYLE)
-            yield
-    finally:
-        gc.unfreeze()
-        logger.setLevel(level)
-
-
 def panels(
     *heights: float, share: bool = True, top: float = TOP, bottom: float = BOTTOM, gap: float = GAP
-) -> tuple[Figure, list[Axes]]:
-    """A figure of the page's width with axes of the given heights (in) below each other on one x axis."""
-    from matplotlib.figure import Figure
-
-    height = top + sum(heights) + gap * (len(heights) - 1) + bottom
-    figure, edge = Figure((WIDTH, height)), height - top
-    axes: list[Axes] = []
-    for panel in heights:
-        edge -= panel
-        box = (LEFT / WIDTH, edge / height, (WIDTH - LEFT - RIGHT) / WIDTH, panel / height)
-        axes.append(figure.add_axes(box, sharex=axes[0] if share and axes else None))
-        axes[-1].yaxis.set_label_coords(-0.56 / (WIDTH - LEFT - RIGHT), 0.5)  # fixed places align and cost nothing
-        axes[-1].xaxis.set_label_coords(0.5, -0.28 / panel)
-        edge -= gap
-    for upper in axes[:-1] if share else ():
-        upper.tick_params(labelbottom=False)
-    return figure, axes
+) -> tuple[Drawing, list[Panel]]:
+    """A figure of the page's width with panels of the given heights (in) below each other on one x axis."""
+    total = top + sum(heights) + gap * (len(heights) - 1) + bottom
+    found: list[Panel] = []
+    edge, x = top, Axis()
+    for height in heights:
+        box = Box(LEFT * INCH, edge * INCH, (WIDTH - LEFT - RIGHT) * INCH, height * INCH)
+        found.append(Panel(box, x if share else None))
+        edge += height + gap
+    for upper in found[:-1] if share else ():
+        upper.numbered = False, True
+    return Drawing(WIDTH * INCH, total * INCH, found), found
 
 
 def grid(
-    rows: int, columns: int, height: float, top: float = TOP, own_scales: bool = False
-) -> tuple[Figure, list[Axes]]:
-    """A figure of small axes of one height (in) in rows and columns, all on the scales of the first.
+    rows: int, columns: int, height: float, top: float = 0.0, own_scales: bool = False
+) -> tuple[Drawing, list[Panel]]:
+    """A figure of small panels of one height (in) in rows and columns with titles, all on the same axes.
 
     With ``own_scales`` only the time is shared, and each has room for the numbers at its left.
     """
-    from matplotlib.figure import Figure
-
-    row = height + 0.22  # room for a title
-    total = top + rows * row + BOTTOM
-    figure = Figure((WIDTH, total))
-    axes: list[Axes] = []
+    row = height + TITLE
+    found: list[Panel] = []
     gap = LEFT - RIGHT if own_scales else GAP
     width = (WIDTH - LEFT - RIGHT - gap * (columns - 1)) / columns
+    x, y = Axis(), Axis()
     for place in range(rows * columns):
         down, across = divmod(place, columns)
-        left, bottom = LEFT + across * (width + gap), total - top - (down + 1) * row
-        box = (left / WIDTH, bottom / total, width / WIDTH, height / total)
-        first = axes[0] if axes else None
-        axes.append(figure.add_axes(box, sharex=first, sharey=None if own_scales else first))
-        axes[-1].tick_params(labelleft=own_scales or across == 0, labelbottom=down == rows - 1)
-        axes[-1].yaxis.set_label_coords(-0.56 / width, 0.5)
-        axes[-1].xaxis.set_label_coords(0.5, -0.28 / height)
-    return figure, axes
+        left, upper = LEFT + across * (width + gap), top + down * row + TITLE
+        box = Box(left * INCH, upper * INCH, width * INCH, height * INCH)
+        found.append(Panel(box, x, None if own_scales else y))
+        found[-1].numbered = down == rows - 1, own_scales or across == 0
+    return Drawing(WIDTH * INCH, (top + rows * row + BOTTOM) * INCH, found), found
 
 
-def data_uri(figure: Figure) -> str:
-    """The figure as an SVG data URI; the same figure gives the same bytes."""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    return "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode()
+def frame(panel: Panel, middle: tuple[float, float], scale: float) -> None:
+    """A map about ``middle`` at so many of its units per inch; right of the course is down, as in the plan view."""
+    across, down = (scale * side / INCH / 2 for side in (panel.box.width, panel.box.height))
+    panel.x.limits = middle[0] - across, middle[0] + across
+    panel.y.limits = middle[1] + down, middle[1] - down
+
+
+def end_columns(figure: Drawing, count: int, columns: int) -> None:
+    """Keep the first panels of a grid; the last of each column has the numbers of x."""
+    figure.panels = figure.panels[:count]
+    for panel in figure.panels[-columns:]:
+        panel.numbered = True, panel.numbered[1]

@@ -14,13 +14,20 @@ from aircraft.wind_event import WindEvent
 from sim.flight.record import RECORD_STEP, Flight
 from sim.flight.weather import air, kind_in_words
 from sim.metrics.windshear import averaged_f_factor
+from sim.reporting.drawing import contours
+from sim.reporting.drawing.colours import BLUE_RED, Colours, add_scale, mixed
+from sim.reporting.drawing.figure import Box, Drawing, Legend, Panel
+from sim.reporting.drawing.scales import LOGARITHMIC
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import by_phase, over_time, pad, phase_strip
 from sim.reporting.figures.thinning import where
 
+HALF = 0.47  # of the width, of each of two panels side by side
 STRIP = 0.17  # in, of the names of the phases
 HIGHEST = 700.0  # m, of the profiles at least
 ARROWS = (26, 11)  # of the section through an event, along and up
+ARROW_SCALE = 22.0  # arrows as long as the greatest wind would lie so often across the figure
+SHADE, LEVELS = 0.6, 16  # of the colours on white, and their steps
 SECTION = 300.0  # m, its height at least
 HAZARD = 0.105  # F over a kilometre at which a windshear system must warn [FAA TSO-C117a, from memory]
 LAYERS, LEAST = 10, 90  # layers of height, and records that a layer must have to be shown
@@ -29,7 +36,7 @@ WINDOW = 2048  # records of one spectrum, 68 s
 FOLDED = 30.0  # rad/s; above, a record at 30 Hz shows more than there is
 
 
-def weather_charts(flight: Flight, scenario: Any) -> Iterator[tuple[str, Any, str]]:
+def weather_charts(flight: Flight, scenario: Any) -> Iterator[tuple[str, Drawing, str]]:
     """(title, figure, caption) of everything in the air of this scenario besides a steady wind."""
     table = scenario.wind
     if table.profile is None and not table.events and table.intensity == 0.0:
@@ -72,7 +79,7 @@ def weather_charts(flight: Flight, scenario: Any) -> Iterator[tuple[str, Any, st
             )
 
 
-def wind_history(flight: Flight, with_energy: bool) -> Any:
+def wind_history(flight: Flight, with_energy: bool) -> Drawing:
     """Figure of the wind at the aircraft over time."""
     state = flight.state
     north, east, up = flight.wind
@@ -82,44 +89,43 @@ def wind_history(flight: Flight, with_energy: bool) -> Any:
     heights = (1.2, 0.8, 0.8) if with_energy else (1.2, 0.8)
     figure, (strip, level, vertical, *rest) = style.panels(STRIP, *heights)
     phase_strip(strip, flight)
-    over_time(level, flight, head, color=style.BLUE, label="headwind")
-    over_time(level, flight, right, color=style.ORANGE, label="from the left")
-    level.set_ylabel("wind, m/s")
+    over_time(level, flight, head, colour=style.BLUE, label="headwind")
+    over_time(level, flight, right, colour=style.ORANGE, label="from the left")
+    level.y.label = "wind, m/s"
     pad(level, 4.0, 0.2)
-    level.legend(loc="upper left", ncols=2)
-    over_time(vertical, flight, up, color=style.GREEN)
-    vertical.set_ylabel("upwards, m/s")
+    level.legend = Legend("upper left", 2)
+    over_time(vertical, flight, up, colour=style.GREEN)
+    vertical.y.label = "upwards, m/s"
     pad(vertical, 2.0)
     for axes in rest:
-        over_time(axes, flight, averaged_f_factor(flight), color=style.VERMILION)
-        axes.axhline(HAZARD, color=style.BLACK, linewidth=0.7, dashes=(4, 3))
-        axes.set_ylabel("F over 1 km")
+        over_time(axes, flight, averaged_f_factor(flight), colour=style.VERMILION)
+        axes.rule(y=HAZARD, width=0.7, dashes=(4, 3))
+        axes.y.label = "F over 1 km"
         pad(axes, 0.1)
     for axes in (level, vertical, *rest):
-        axes.axhline(0.0, color=style.BLACK, linewidth=0.5, zorder=1)
-    (rest[-1] if rest else vertical).set_xlabel("time, s")
+        axes.rule(y=0.0, order=1.0)
+    strip.x.label = "time, s"
     return figure
 
 
-def profiles(flight: Flight, scenario: Any, gusts: np.ndarray) -> Any:
+def profiles(flight: Flight, scenario: Any, gusts: np.ndarray) -> Drawing:
     """Figure of mean wind and turbulence over height, as specified and as flown."""
     table, state = scenario.wind, flight.state
     top = max(HIGHEST, 1.1 * float(np.max(state.height)))
     heights = np.linspace(1.0, top, 200)
     figure, (speed,) = style.panels(2.4)
-    box = speed.get_position()
-    width = 0.47 * box.width
-    speed.set_position((box.x0, box.y0, width, box.height))
-    spread = figure.add_axes((box.x1 - width, box.y0, width, box.height), sharey=speed)
-    spread.tick_params(labelleft=False)
-    speed.yaxis.set_label_coords(-0.56 / (width * style.WIDTH), 0.5)
+    left, up, whole, high = speed.box
+    speed.box = Box(left, up, HALF * whole, high)
+    spread = Panel(Box(left + (1.0 - HALF) * whole, up, HALF * whole, high), y=speed.y)
+    spread.numbered = True, False
+    figure.panels.append(spread)
 
     mean = np.hypot(*np.array([table.at(float(height)) for height in heights]).T)
-    speed.plot(mean, heights, color=style.BLUE, label="mean wind")
+    speed.line(mean, heights, colour=style.BLUE, label="mean wind")
     said = [intensity(float(height), table.intensity) for height in heights]
     if table.intensity > 0.0:
-        spread.plot([now.sigma_along for now in said], heights, color=style.ORANGE, label="along, across")
-        spread.plot([now.sigma_up for now in said], heights, color=style.GREEN, label="upwards")
+        spread.line([now.sigma_along for now in said], heights, colour=style.ORANGE, label="along, across")
+        spread.line([now.sigma_up for now in said], heights, colour=style.GREEN, label="upwards")
     met = flight.wind
     edges = np.linspace(0.0, float(np.max(state.height)) + 1.0, LAYERS + 1)
     layer = np.digitize(state.height, edges)
@@ -129,20 +135,19 @@ def profiles(flight: Flight, scenario: Any, gusts: np.ndarray) -> Any:
             continue
         height = float(state.height[among].mean())
         north, east = met[0, among].mean(), met[1, among].mean()
-        speed.plot(math.hypot(north, east), height, "o", color=style.BLUE, markersize=3.5)
+        speed.points(math.hypot(north, east), height, colour=style.BLUE, marker="o", size=3.5)
         if table.intensity > 0.0:
             level = math.sqrt(float(np.mean(gusts[:2, among] ** 2)))
-            spread.plot(level, height, "o", color=style.ORANGE, markersize=3.5)
+            spread.points(level, height, colour=style.ORANGE, marker="o", size=3.5)
             rising = math.sqrt(float(np.mean(gusts[2, among] ** 2)))
-            spread.plot(rising, height, "o", color=style.GREEN, markersize=3.5)
-    speed.set_xlim(left=0.0)
-    speed.set_ylim(0.0, top)
-    spread.set_xlim(left=0.0)
-    speed.set_ylabel("height, m")
-    speed.set_xlabel("wind speed, m/s")
-    spread.set_xlabel("standard deviation of the turbulence, m/s")
+            spread.points(rising, height, colour=style.GREEN, marker="o", size=3.5)
+    speed.x.limits = spread.x.limits = 0.0, None
+    speed.y.limits = 0.0, top
+    speed.y.label = "height, m"
+    speed.x.label = "wind speed, m/s"
+    spread.x.label = "standard deviation of the turbulence, m/s"
     for axes in (speed, spread):
-        axes.legend(loc="upper left") if axes.get_legend_handles_labels()[0] else None
+        axes.legend = Legend("upper left")
     return figure
 
 
@@ -159,7 +164,7 @@ def turbulence_met(flight: Flight, scenario: Any) -> np.ndarray:
     return np.array((c * north + s * east, c * east - s * north, up))
 
 
-def spectra(flight: Flight, scenario: Any, gusts: np.ndarray) -> Any | None:
+def spectra(flight: Flight, scenario: Any, gusts: np.ndarray) -> Drawing | None:
     """Figure of the spectra along, across and up on the longest level stretch; None where it is short.
 
     ``gusts`` (3, k) m/s are those of ``turbulence_met``.
@@ -177,13 +182,12 @@ def spectra(flight: Flight, scenario: Any, gusts: np.ndarray) -> Any | None:
         shown = (frequency > 0.0) & (frequency < FOLDED)
         sigma, length = (now.sigma_up, now.length_up) if name == "upwards" else (now.sigma_along, now.length_along)
         form = along_spectrum if name.startswith("along") else across_spectrum
-        panel.loglog(frequency[shown], density[shown], color=style.SKY, linewidth=0.8)
-        panel.loglog(frequency[shown], form(frequency[shown], airspeed, sigma, length), color=style.BLACK)
-        panel.set_title(name)
-        for axis in (panel.xaxis, panel.yaxis):
-            axis.set_major_formatter("{x:g}")
-    axes[0].set_ylabel("density, (m/s)\u00b2 / (rad/s)")
-    axes[1].set_xlabel("circular frequency, rad/s")
+        panel.x.scale = panel.y.scale = LOGARITHMIC
+        panel.line(frequency[shown], density[shown], colour=style.SKY, width=0.8)
+        panel.line(frequency[shown], form(frequency[shown], airspeed, sigma, length))
+        panel.title = name
+    axes[0].y.label = "density, (m/s)\u00b2 / (rad/s)"
+    axes[0].x.label = "circular frequency, rad/s"
     return figure
 
 
@@ -195,7 +199,7 @@ def spectrum(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return 2.0 * np.pi * np.fft.rfftfreq(WINDOW, RECORD_STEP), power * RECORD_STEP / (np.pi * np.sum(taper**2))
 
 
-def section_through(flight: Flight, scenario: Any, event: WindEvent) -> Any:
+def section_through(flight: Flight, scenario: Any, event: WindEvent) -> Drawing:
     """Figure of a standing wind in the upright plane through the middle of its outline, along the final course."""
     runway, state = scenario.runway, flight.state
     edge_past, edge_right = runway.from_local(*np.array(event.outline()).T)
@@ -214,18 +218,28 @@ def section_through(flight: Flight, scenario: Any, event: WindEvent) -> Any:
         return wind[..., 0] * forward[0] + wind[..., 1] * forward[1], wind[..., 2]
 
     figure, (axes,) = style.panels(2.5)
-    axes.grid(False)
+    axes.grid = ""
     along, heights = np.linspace(middle - reach, middle + reach, 81), np.linspace(0.0, top, 41)
     tail, _ = section(along, heights)
     most = max(float(np.abs(tail).max()), 1.0)
-    levels = np.linspace(-most, most, 17)
-    shades = axes.contourf(along, heights, np.clip(tail, -most, most), levels, cmap="RdBu_r", alpha=0.6)
-    figure.colorbar(shades, ax=axes, label="tailwind, m/s", pad=0.02)
+    shades = Colours([mixed(colour, SHADE) for colour in BLUE_RED], -most, most)
+    levels = np.linspace(-most, most, LEVELS + 1)
+    tail = np.clip(tail, -most * (1 - 1e-9), most * (1 - 1e-9))
+    for low, high, colour in zip(levels[:-1], levels[1:], shades.of((levels[1:] + levels[:-1]) / 2), strict=True):
+        axes.area(contours.regions(along, heights, tail, low, high), colour, order=0.5)
+    add_scale(figure, shades, "tailwind, m/s")
     x, z = np.linspace(middle - reach, middle + reach, ARROWS[0]), np.linspace(0.04, 0.96, ARROWS[1]) * top
-    axes.quiver(x, z, *section(x, z), color="#444444", width=0.0016, scale=22.0 * most)
+    points = axes.box.width / (ARROW_SCALE * most)  # per m/s
+    places = np.meshgrid(x, z)
+    axes.arrows(
+        *map(np.ravel, places),
+        *(points * np.ravel(wind) for wind in section(x, z)),
+        colour="#444444",
+        width=0.6,
+        head=3.0,
+    )
     by_phase(axes, flight, past, state.height, near)
-    axes.set_xlim(middle - reach, middle + reach)
-    axes.set_ylim(0.0, top)
-    axes.set_xlabel("distance past the threshold, m")
-    axes.set_ylabel("height, m")
+    axes.x.limits, axes.y.limits = (middle - reach, middle + reach), (0.0, top)
+    axes.x.label = "distance past the threshold, m"
+    axes.y.label = "height, m"
     return figure

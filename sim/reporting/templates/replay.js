@@ -5,6 +5,7 @@
   const data = JSON.parse(document.getElementById("replay-data").textContent);
   const part = (name) => section.querySelector(`[data-part="${name}"]`);
   const flight = data.flight, first = flight.t[0], last = flight.t[flight.t.length - 1];
+  const known = flight.x.length > 0; // or there are only plots and what trackers made of them
   const TRAIL = 90, FRESH = 40; // s: how long estimates and measurements stay in sight
   const FAINT = 0.35; // of the strength of other plots, for false ones
   const INK = "#1b1b1b", PALE = "#c4c4c4", ROUTE = "#777", PLOT = "#555";
@@ -54,7 +55,14 @@
     const x = finite(xs), y = finite(ys);
     return [Math.min(...x), Math.max(...x), Math.min(...y), Math.max(...y)];
   }
-  const extent = bounds(...[0, 1].map((axis) => [...flight[axis ? "y" : "x"], ...data.route.map((p) => p[axis]), ...data.runway.map((p) => p[axis])]));
+  const extent = bounds(...[0, 1].map((axis) => [
+    ...flight[axis ? "y" : "x"], ...(known ? data.route : []).map((p) => p[axis]), ...data.runway.map((p) => p[axis]),
+    ...(known ? [] : data.plots).flatMap((plots) => plots[axis ? "y" : "x"])]));
+  function latest(t) { // where the last plot was
+    const seen = data.plots.map((plots) => [plots, upTo(plots.t, t)]).filter(([plots, i]) => i >= 0 && plots.x[i] != null);
+    const [plots, i] = seen.sort((a, b) => b[0].t[b[1]] - a[0].t[a[1]])[0] ?? [null, 0];
+    return plots ? [plots.x[i], plots.y[i]] : [(extent[0] + extent[1]) / 2, (extent[2] + extent[3]) / 2];
+  }
   const heights = bounds([0], [...flight.height, ...flight.asked, 0, 30]);
 
   function round(length) { // the largest of 1, 2, 5 times a power of ten below a length
@@ -66,7 +74,7 @@
     const { pen, width, height } = sheet(part("plan"));
     const span = Number(part("view").value), me = [at("x", now), at("y", now)];
     let scale, centre;
-    if (span) { scale = width / span; centre = me; }
+    if (span) { scale = width / span; centre = known ? me : latest(now); }
     else {
       scale = Math.min((width - 50) / (extent[1] - extent[0] || 1), (height - 50) / (extent[3] - extent[2] || 1));
       centre = [(extent[0] + extent[1]) / 2, (extent[2] + extent[3]) / 2];
@@ -89,12 +97,12 @@
       }
     }
     pen.globalAlpha = span ? 0.5 : 1; // close by, estimates are read through it
-    aircraft(pen, place(...me), at("heading", now) * Math.PI / 180);
+    if (known) aircraft(pen, place(...me), at("heading", now) * Math.PI / 180);
     pen.globalAlpha = 1;
     data.trackers.forEach((tracker, index) => {
       const i = upTo(tracker.t, now);
       if (!shown[index] || i < 0 || tracker.x[i] == null) return;
-      const dash = tracker.dashed ? [5, 3] : [];
+      const dash = tracker.dash;
       const from = upTo(tracker.t, now - TRAIL) + 1;
       line(pen, path(tracker, from, i + 1), tracker.colour, 1.3, dash);
       const p = place(tracker.x[i], tracker.y[i]);
@@ -107,7 +115,7 @@
       }
     });
     ruler(pen, height, scale, width);
-    horizon(pen, width - 62, 58, at("bank", now));
+    if (known) horizon(pen, width - 62, 58, at("bank", now));
   }
   function aircraft(pen, p, heading) { // seen from above, nose along its heading
     pen.save(); pen.translate(p[0], p[1]); pen.rotate(heading);
@@ -179,7 +187,7 @@
       if (!shown[index] || i < 0 || !tracker.height.length) return;
       const begin = upTo(tracker.t, now - TRAIL) + 1;
       const points = tracker.height.slice(begin, i + 1).map((h, j) => place(at("flown", tracker.t[begin + j]), h));
-      line(pen, points, tracker.colour, 1.4, tracker.dashed ? [5, 3] : []);
+      line(pen, points, tracker.colour, 1.4, tracker.dash);
       const d = at("flown", tracker.t[i]), h = tracker.height[i];
       const bar = [place(d, h - tracker.spread[i]), place(d, h + tracker.spread[i])];
       if (bar[0] && bar[1]) line(pen, bar, tracker.colour, 2.2);
@@ -201,7 +209,7 @@
     clock.textContent = `${now.toFixed(1)} s`;
     part("phase").textContent = flown.name;
     part("phase").style.borderColor = flown.colour;
-    part("state").textContent = `height ${metres(at("height", now))} m, true airspeed ${metres(at("speed", now))} m/s`;
+    part("state").textContent = known ? `height ${metres(at("height", now))} m, true airspeed ${metres(at("speed", now))} m/s` : "";
     const slider = part("time");
     slider.value = now;
     slider.setAttribute("aria-valuetext", `${now.toFixed(1)} seconds, ${flown.name}`);
@@ -209,10 +217,10 @@
       const cells = rows[index].cells, i = upTo(tracker.t, now);
       let off = null, promised = null;
       if (i >= 0 && tracker.x.length && tracker.x[i] != null) {
-        off = Math.hypot(tracker.x[i] - at("x", tracker.t[i]), tracker.y[i] - at("y", tracker.t[i]));
+        off = !known ? null : Math.hypot(tracker.x[i] - at("x", tracker.t[i]), tracker.y[i] - at("y", tracker.t[i]));
         promised = tracker.long[i];
       } else if (i >= 0 && tracker.height.length && tracker.height[i] != null) {
-        off = Math.abs(tracker.height[i] - at("height", tracker.t[i]));
+        off = !known ? null : Math.abs(tracker.height[i] - at("height", tracker.t[i]));
         promised = tracker.spread[i];
       }
       cells[1].textContent = metres(off);
@@ -225,16 +233,20 @@
     const key = document.createElement("span");
     box.type = "checkbox"; box.checked = true;
     box.addEventListener("change", () => { shown[index] = box.checked; draw(); });
-    key.className = "key"; key.style.borderTop = `3px ${tracker.dashed ? "dashed" : "solid"} ${tracker.colour}`;
+    let end = 0;
+    const parts = tracker.dash.map((length, i) => `${i % 2 ? "transparent" : tracker.colour} ${end}px ${(end += 1.7 * length)}px`);
+    key.className = "key"; key.style.height = "3px";
+    key.style.background = parts.length ? `repeating-linear-gradient(90deg, ${parts.join(", ")})` : tracker.colour;
     label.append(box, key, tracker.name);
     row.insertCell().append(label);
     for (let i = 0; i < 3; i++) row.insertCell().className = "n";
     return row;
   });
   if (!rows.length) part("table").hidden = true;
+  if (!known) part("profile").remove(); // over the distance flown, which nobody knows
 
   // ---- moving ----------------------------------------------------------------------------------------------------
-  function draw() { plan(); profile(); words(); }
+  function draw() { plan(); if (known) profile(); words(); }
   function go(t) { now = Math.min(Math.max(t, first), last); draw(); }
   function play(on) {
     playing = on; lastFrame = null;

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from aircraft.data import data
 from sim.flight import weather
-from sim.flight.record import Flight
+from sim.flight.record import UNKNOWN, Flight
 from sim.metrics import table
 from sim.metrics.flight import figure
 from sim.reporting.text.best_tracker import best_tracker
@@ -34,13 +36,13 @@ def first_screen(
     return {
         "name": scenario.name,
         "number": number,
-        "subtitle": _subtitle(scenario, metrics, number),
+        "subtitle": _subtitle(scenario, flight, metrics, number),
         "ended": how_it_ended(flight, metrics["flight"]),
         "sentence": what_happened(flight, metrics["flight"], checks),
         "why": (metrics["flight"].get("navigated") or {}).get("why"),
         "contrasted": contrasted or [],
         "winner": best_tracker(flight, metrics.get("trackers") or {}, followed, short=bool(contrasted)),
-        "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed"),
+        "good": not failed and metrics["flight"]["outcome"] in ("landed", "completed", UNKNOWN),
         "failed": failed,
         "outcomes": _outcomes(metrics.get("flights_summary", {}).get("outcomes", {})),
         "warnings": metrics.get("warnings", []),
@@ -48,13 +50,20 @@ def first_screen(
     }
 
 
-def _subtitle(scenario: Any, metrics: dict[str, Any], number: int) -> list[str]:
+def _subtitle(scenario: Any, flight: Flight, metrics: dict[str, Any], number: int) -> list[str]:
     """What was flown: aircraft, law, air, seed."""
-    aircraft = scenario.aircraft
-    parts = ["point mass" if aircraft.model == "point_mass" else data(aircraft.model).title]
+    aircraft, record = scenario.aircraft, scenario.record
+    if record is not None and record.file is None:
+        parts = ["recorded plots"]
+    elif record is not None and record.file is not None:
+        begun = datetime.fromtimestamp(flight.utc or 0.0, UTC)
+        parts = [f"recorded flight {record.flight or Path(record.file).stem}", f"{begun:%Y-%m-%d %H:%M:%S} UTC"]
+    else:
+        parts = ["point mass" if aircraft.model == "point_mass" else data(aircraft.model).title]
     if aircraft.mass is not None:
         parts.append(f"{aircraft.mass / 1000:.1f} t")
-    parts.append(f"law {words(scenario.mode)}, bank limit {np.degrees(scenario.autopilot.bank_limit):.0f} deg")
+    whose = "law" if record is None else "trackers assume the law"
+    parts.append(f"{whose} {words(scenario.mode)}, bank limit {np.degrees(scenario.autopilot.bank_limit):.0f} deg")
     parts += weather.words(scenario)
     parts.append(f"seed {metrics.get('seed', scenario.seed)}")
     if metrics.get("flights", 1) > 1 or number > 0:

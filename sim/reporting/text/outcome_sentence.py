@@ -24,7 +24,10 @@ def what_happened(flight: Flight, figures: dict[str, Any], checks: list[dict[str
 
 
 def how_it_ended(flight: Flight, figures: dict[str, Any]) -> str:
-    """When the flight ended, where and how it touched down; without a full stop."""
+    """When the flight ended, where and how it touched down; without a full stop. Of an unknown one there is no more
+    than how long its plots are."""
+    if not flight.known:
+        return f"{duration(figures['duration_s'])} of recorded plots, {flight.reason}"
     ending = _ending(flight, figures.get("touchdown")) + _rollout(flight, figures.get("rollout"))
     return f"After {duration(figures['duration_s'])} {ending}"
 
@@ -42,6 +45,7 @@ def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
         "envelope": "the aircraft left its flight envelope",
         "go_around": "the aircraft had gone around and climbed away",
         "completed": "the flight was complete",
+        "landed": "the aircraft landed",
         "time_limit": "the flight was ended by the time limit",
     }.get(outcome, f"the flight ended as '{outcome}'")
     if reason and not reason.startswith(REPEATING):

@@ -98,7 +98,7 @@ def cause(flown: Flown, name: str, since: float, until: float) -> str:
     during = (flight.time >= since) & (flight.time <= until)
     if not during.any():
         return "the record has nothing of it"
-    if law_from is None:
+    if law_from is None or flight.is_recorded:  # nobody recorded which law was flown
         return _manoeuvre(flight, during)
     left = [one for one in scenario.departures if one.at <= until]
     if left:

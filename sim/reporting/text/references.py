@@ -53,9 +53,10 @@ FLIGHT_DYNAMICS = (
 def what_ran(scenario: Any, law: Any) -> list[Any]:
     """Everything of a run whose docstring may name a source."""
     things: list[Any] = [law, scenario.route]
-    if not scenario.law:
+    is_flown = scenario.record is None
+    if is_flown and not scenario.law:
         things.append(law.designed)
-    if scenario.aircraft.model == "point_mass":
+    if is_flown and scenario.aircraft.model == "point_mass":
         things.append(PointMass)
     if scenario.wind.intensity > 0:
         things += [Turbulence, intensity, sigma_aloft]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from autopilot.landing import REFERENCE_MARGIN
 from sim.flight.outcomes import STOPPED
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
+from sim.scenario.tables import Check
 from tracking.track import FARTHEST
 
 CLOSE = 50.0  # m from an antenna: there the noise of a range is a good part of it, and its angles mean little
@@ -49,6 +50,15 @@ def warnings(
         if any(figure["rmse"] is None or not np.isfinite(figure["rmse"]) for figure in its["overall"].values())
     ]
     return [sentence for sentence in found if sentence]
+
+
+def unjudged(flight: Flight, checks: Iterable[Check], found: Iterable[dict[str, Any]]) -> list[str]:
+    """Sentences about checks of what a recorded flight does not know; ``found`` is what each check found on it."""
+    return [
+        f"the check of '{asked.metric}' is not judged: the recording does not know it, or has no such phase"
+        for asked, one in zip(checks, found, strict=True)
+        if flight.is_recorded and one["passed"] is None
+    ]
 
 
 def skipped_looks(records: Sequence[dict[str, Any]]) -> list[str]:
@@ -96,7 +106,7 @@ def _sensor(flight: Flight, name: str, sensor: Any, record: SensorRecord) -> str
     end = float(flight.time[-1])
     if record.arrival.min() > end:
         return f"sensor '{name}' delivers nothing before the flight of {end:.0f} s is over: its latency is longer"
-    if sensor.antenna is None or "azimuth" not in record.channels:
+    if sensor.antenna is None or "azimuth" not in record.channels or not flight.known:
         return None
     state = flight.state
     antenna = np.array(sensor.antenna)[:, None]

@@ -10,8 +10,9 @@ from sim.flight.record import Flight
 from sim.metrics.alarms.monitoring import alarm_share
 from sim.metrics.alarms.operating_curve import WINDOWS, operating_curves
 from sim.metrics.conformance import conformance_sentence
+from sim.reporting.drawing.figure import Drawing
 from sim.reporting.figures import style
-from sim.reporting.figures.style import Chart
+from sim.reporting.figures.style import Chart, Key
 from sim.reporting.text.labels import words
 from sim.reporting.tracker_figures.conformance_strip import alert_strip
 from sim.reporting.tracker_figures.contrast_map import contrast_map, drawn
@@ -62,9 +63,8 @@ def contrast_chart(
         )
     else:
         caption += "They do not part: nowhere does one err half as much again as the other for 10 s on end."
-    keys = (("flown", style.BLACK, False), *_keys(list(pair)))
-    with style.drawing():
-        return Chart(title[0].upper() + title[1:], style.data_uri(drawn(found)), caption, keys)
+    keys = (Key("flown", style.BLACK), *keys_of(list(pair)))
+    return Chart(title[0].upper() + title[1:], drawn(found), caption, keys)
 
 
 def error_charts(
@@ -79,13 +79,13 @@ def error_charts(
     if not followed:
         return []
     drawn: list[Chart] = []
-    keys = _keys(followed)
+    keys = keys_of(followed)
 
-    def add(title: str, figure: Any, caption: str, keys: tuple[tuple[str, str, bool], ...] = keys) -> None:
+    def add(title: str, figure: Drawing | None, caption: str, keys: tuple[Key, ...] = keys) -> None:
         if figure is not None:
-            drawn.append(Chart(title, style.data_uri(figure), caption, keys))
+            drawn.append(Chart(title, figure, caption, keys))
 
-    with style.drawing(), np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):
         bound = path_bound(flight, scenario.sensors, records)
         add(
             "Error over time",
@@ -143,8 +143,9 @@ def error_charts(
     return drawn
 
 
-def _keys(followed: list[Shown]) -> tuple[tuple[str, str, bool], ...]:
-    return tuple((words(one.name), one.look["color"], one.look["dashes"] != style.SOLID) for one in followed)
+def keys_of(followed: list[Shown]) -> tuple[Key, ...]:
+    """The trackers as the page names them beside a figure."""
+    return tuple(Key(words(one.name), one.look["colour"], one.look["dashes"]) for one in followed)
 
 
 def belief_charts(
@@ -161,11 +162,11 @@ def belief_charts(
     """
     drawn: list[Chart] = []
 
-    def add(title: str, figure: Any, caption: str) -> None:
+    def add(title: str, figure: Drawing | None, caption: str) -> None:
         if figure is not None:
-            drawn.append(Chart(title, style.data_uri(figure), caption))
+            drawn.append(Chart(title, figure, caption))
 
-    with style.drawing(), np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):
         add(
             "Model probabilities",
             model_probabilities(flight, tracked, modes),
@@ -207,30 +208,29 @@ def alarm_charts(
     if not shares:
         return drawn
     rates = {name: trackers[name]["monitor"]["alarms_per_1000"] for name in shares}
-    colours = {one.name: one.look["color"] for one in followed}
-    with style.drawing():
+    colours = {one.name: one.look["colour"] for one in followed}
+    drawn.append(
+        Chart(
+            "Does each tracker still follow?",
+            monitor_strip(flight, shares, rates, colours),
+            f"Share of the draws in which the innovations of the last {MONITOR.window} looks are too large for "
+            f"chance: {1000 * MONITOR.false_alarm_rate:g} look in 1000 while a tracker's model holds. By its name "
+            "the alarmed looks in 1000 before anything goes wrong (‰). A tracker that knows no turns, or is told "
+            "the wrong law, alarms in each turn.",
+        )
+    )
+    figure = drawn_curves(curves)
+    if figure is not None:
+        *few, most = map(str, WINDOWS)
         drawn.append(
             Chart(
-                "Does each tracker still follow?",
-                style.data_uri(monitor_strip(flight, shares, rates, colours)),
-                f"Share of the draws in which the innovations of the last {MONITOR.window} looks are too large for "
-                f"chance: {1000 * MONITOR.false_alarm_rate:g} look in 1000 while a tracker's model holds. By its name "
-                "the alarmed looks in 1000 before anything goes wrong (‰). A tracker that knows no turns, or is told "
-                "the wrong law, alarms in each turn.",
+                "How soon, at which price",
+                figure,
+                "Median delay from what goes wrong to the first alarm, over the false alarms before it, while the "
+                f"threshold is swept: the monitor over {', '.join(few)} and {most} looks, and the conformance "
+                "alert. Each alarm counts once, at its onset; a draw that is never alarmed is infinitely late, and "
+                "a threshold at which half of them are is not drawn. Rings at the left edge: no false alarm was "
+                "seen. Larger dots: the threshold that promises one in 1000 looks.",
             )
         )
-        figure = drawn_curves(curves)
-        if figure is not None:
-            *few, most = map(str, WINDOWS)
-            drawn.append(
-                Chart(
-                    "How soon, at which price",
-                    style.data_uri(figure),
-                    "Median delay from what goes wrong to the first alarm, over the false alarms before it, while the "
-                    f"threshold is swept: the monitor over {', '.join(few)} and {most} looks, and the conformance "
-                    "alert. Each alarm counts once, at its onset; a draw that is never alarmed is infinitely late, and "
-                    "a threshold at which half of them are is not drawn. Rings at the left edge: no false alarm was "
-                    "seen. Larger dots: the threshold that promises one in 1000 looks.",
-                )
-            )
     return drawn

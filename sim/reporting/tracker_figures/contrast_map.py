@@ -8,6 +8,8 @@ import numpy as np
 
 from sim.flight.interpolation import truth_at
 from sim.flight.record import Flight
+from sim.reporting.drawing.figure import Drawing
+from sim.reporting.drawing.marks import PAPER
 from sim.reporting.figures import style
 from sim.reporting.figures.plan_view import extent
 from sim.reporting.text.labels import words
@@ -70,7 +72,7 @@ def contrast_map(flight: Flight, pair: tuple[Shown, Shown], parted: Parting | No
     )
 
 
-def drawn(it: ContrastMap) -> Any:
+def drawn(it: ContrastMap) -> Drawing:
     """Figure with equal axes; right of the course is down, as in the plan view."""
     reach = max(np.ptp(it.flown[0]), np.ptp(it.flown[1]), 1.0)
     off = [np.linalg.norm(one.path - it.flown.mean(axis=1, keepdims=True), axis=0) for one in it.believed]
@@ -81,22 +83,19 @@ def drawn(it: ContrastMap) -> Any:
     figure, (axes,) = style.panels(height)
     scale = max((right - left) / width, (high - low) / height)
     middle = (left + right) / 2, (low + high) / 2
-    axes.set_xlim(middle[0] - scale * width / 2, middle[0] + scale * width / 2)
-    axes.set_ylim(middle[1] + scale * height / 2, middle[1] - scale * height / 2)
-    axes.plot(*it.route, color="#777777", linewidth=0.8, dashes=(5, 3), zorder=1.2)
+    style.frame(axes, middle, scale)
+    axes.line(*it.route, colour="#777777", width=0.8, dashes=(5, 3), order=1.2)
     for one in it.believed:
         joined = np.concatenate((one.ties, np.full((len(one.ties), 1, 2), np.nan)), axis=1).reshape(-1, 2)
-        axes.plot(*joined.T, color=one.look["color"], linewidth=0.5, alpha=0.6, zorder=1.4)
-        axes.plot(*one.ties[:, 1].T, ".", color=one.look["color"], markersize=4, zorder=2.2)
-        axes.plot(*one.path, linewidth=1.3, zorder=2.0, **one.look)
-    axes.plot(*it.flown, color=style.BLACK, linewidth=2.0, zorder=1.8)
+        axes.line(*joined.T, colour=one.look["colour"], width=0.5, alpha=0.6, order=1.4)
+        axes.points(*one.ties[:, 1].T, colour=one.look["colour"], size=4.0, order=2.2)
+        axes.line(*one.path, width=1.3, order=2.0, **one.look)
+    axes.line(*it.flown, colour=style.BLACK, width=2.0, order=1.8)
     if it.parted is not None:
-        axes.plot(*it.parted[:, None], "o", color="white", markeredgecolor=style.BLACK, markersize=7, zorder=3)
+        axes.points(*it.parted, marker="o", size=7.0, fill=PAPER, order=3)
         ahead = it.flown[0, -1] >= it.parted[0]
-        axes.annotate(
-            "they part", (float(it.parted[0]), float(it.parted[1])), (-6 if ahead else 6, 8), zorder=4,
-            textcoords="offset points", fontsize=8, ha="right" if ahead else "left",
-        )  # fmt: skip
-    axes.set_xlabel("along the final course, km past the threshold")
-    axes.set_ylabel("right of it, km")
+        away, anchor = (-6.0, "end") if ahead else (6.0, "start")
+        axes.words("they part", *it.parted, right=away, up=8.0, size=8.0, anchor=anchor, order=4)
+    axes.x.label = "along the final course, km past the threshold"
+    axes.y.label = "right of it, km"
     return figure

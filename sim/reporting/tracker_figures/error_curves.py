@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from sim.metrics.conformance import MISMATCHED
 from sim.metrics.error_curves import ErrorCurves
 from sim.reporting.figures import style
@@ -21,9 +23,13 @@ class Shown(NamedTuple):
 
 
 def shown_trackers(scenario: Any, tracked: dict[str, Any]) -> list[Shown]:
-    """The trackers that can be compared with the truth in any channel, each with its look."""
+    """The trackers that can be compared with the truth in any channel, or say a place, each with its look."""
     looks = _looks(scenario, tracked)
-    return [Shown(name, it.law_from, looks[name], it.curves) for name, it in tracked.items() if it.curves.channels]
+    return [
+        Shown(name, it.law_from, looks[name], it.curves)
+        for name, it in tracked.items()
+        if it.curves.channels or np.isfinite(it.curves.path.place).any()
+    ]
 
 
 def shown_channels(shown: list[Shown]) -> list[str]:
@@ -34,12 +40,19 @@ def shown_channels(shown: list[Shown]) -> list[str]:
 
 
 def _looks(scenario: Any, tracked: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """A colour for each kind that assumes a law and for every other tracker; dashes where the law is mismatched."""
-    colours: dict[str, str] = {}
+    """A colour for each tracker; one with a mismatched law has that of the first of its kind, dashed in its own way."""
+    choices = {name: scenario.trackers.get(name) for name in tracked}
+    kinds = {name: name if choice is None else choice.kind for name, choice in choices.items()}
+    mismatched = [name for name, one in tracked.items() if one.law_from == MISMATCHED]
+    colours: dict[str, str] = {}  # of the first of each kind
     looks: dict[str, dict[str, Any]] = {}
-    for name, one in tracked.items():
-        choice = scenario.trackers.get(name)
-        family = name if choice is None or one.law_from is None else f"kind {choice.kind}"
-        colour = colours.setdefault(family, style.TRACKERS[len(colours) % len(style.TRACKERS)])
-        looks[name] = {"color": colour, "dashes": style.DASHED if one.law_from == MISMATCHED else style.SOLID}
+    for number, name in enumerate(name for name in tracked if name not in mismatched):
+        again, place = divmod(number, len(style.TRACKERS))
+        looks[name] = {"colour": style.TRACKERS[place], "dashes": style.DOT_DASHES[again % len(style.DOT_DASHES)]}
+        colours.setdefault(kinds[name], style.TRACKERS[place])
+    for name in mismatched:
+        free = style.TRACKERS[len(looks) % len(style.TRACKERS)]
+        colour = colours.setdefault(kinds[name], free)
+        twins = sum(looks[other]["colour"] == colour for other in mismatched if other in looks)
+        looks[name] = {"colour": colour, "dashes": style.DASHES[twins % len(style.DASHES)]}
     return looks

@@ -8,6 +8,8 @@ import numpy as np
 
 from sim.flight.record import Flight
 from sim.metrics.error_curves import MANY, pooled, windows
+from sim.reporting.drawing.figure import Drawing, Legend
+from sim.reporting.drawing.scales import Scale, written
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import phase_strip
 from sim.reporting.figures.histories import STRIP, TIME
@@ -18,7 +20,7 @@ from tracking.track import ACCURACY, LAW, modes_of
 BINS = 200  # of the stated accuracy
 MOST_SAMPLES = 2500  # points of the anomaly strip
 MODES = ("#08519C", "#3182BD", "#6BAED6", "#9ECAE1", "#C6DBEF")  # laws, from the least limit to the greatest
-FREE = ("#FDD0A2", "#D94801", "#7F2704", "#A1A1A1")
+FREE = ("#FDD0A2", "#D94801", "#7F2704", "#A1A1A1", "#FD8D3C", "#636363")
 
 
 def mode_names(tracker: Any, count: int) -> list[str]:
@@ -27,7 +29,7 @@ def mode_names(tracker: Any, count: int) -> list[str]:
     return list(names) if len(names) == count else [f"model {i + 1}" for i in range(count)]
 
 
-def model_probabilities(flight: Flight, tracked: dict[str, Any], modes: dict[str, list[str]]) -> Any | None:
+def model_probabilities(flight: Flight, tracked: dict[str, Any], modes: dict[str, list[str]]) -> Drawing | None:
     """Figure of the probabilities of all models over time, mean over draws, stacked: a panel for each tracker."""
     shown = {name: one.track for name, one in tracked.items() if one.track.model_probabilities is not None}
     if not shown:
@@ -40,17 +42,13 @@ def model_probabilities(flight: Flight, tracked: dict[str, Any], modes: dict[str
         low = np.zeros(len(edges))
         for index, (label, colour) in enumerate(zip(modes[name], _colours(modes[name]), strict=True)):
             share = pooled(track.model_probabilities[:, index], edges)
-            axes.fill_between(time, low, low + share, color=colour, linewidth=0, label=label)
+            axes.band(time, low, low + share, colour, label=label)
             low = low + share
-        axes.set_ylim(0, 1)
-        axes.set_yticks((0, 0.5, 1))
-        axes.grid(False)
-        axes.set_ylabel(words(name), fontsize=7 if len(name) < 18 else 5.5)
-        axes.legend(
-            loc="center left", fontsize=6.5, frameon=True, framealpha=0.85, edgecolor="none", reverse=True,
-            labelspacing=0.15, handlelength=1.0,
-        )  # fmt: skip
-    panels[-1].set_xlabel(TIME)
+        axes.y.limits, axes.y.ticks = (0.0, 1.0), style.SHARES
+        axes.grid = ""
+        axes.y.label, axes.y.label_size = words(name), 7.0 if len(name) < 18 else 5.5
+        axes.legend = Legend("left", size=6.5, boxed=True, reverse=True)
+    panels[-1].x.label = TIME
     return figure
 
 
@@ -64,7 +62,9 @@ def _colours(names: list[str]) -> list[str]:
     return [palette[i % len(palette)] for i in range(len(names))]
 
 
-def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any], modes: dict[str, list[str]]) -> Any | None:
+def anomaly_strip(
+    flight: Flight, scenario: Any, tracked: dict[str, Any], modes: dict[str, list[str]]
+) -> Drawing | None:
     """Figure of angle measurements minus truth (draw 0) and the probability that each is anomalous.
 
     For the first tracker whose hypotheses are accuracies of the measurement; None where there is none.
@@ -74,8 +74,6 @@ def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any], modes:
         row = next((i for i, channel in enumerate(record.channels) if channel.endswith(".elevation")), None)
         if weights is None or row is None or not modes[name][0].startswith(ACCURACY):
             continue
-        from matplotlib.ticker import FuncFormatter
-
         from sim.flight.interpolation import truth_at
 
         sensor_name, _, channel = record.channels[row].partition(".")
@@ -86,7 +84,7 @@ def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any], modes:
         error = np.degrees(record.z[order, row, 0] - exact)
         sigma = np.degrees(np.sqrt(np.reshape(record.R[order, row, row], (len(time), -1))[:, 0]))
         worse = 1.0 - weights[:, 0, 0]
-        figure, (strip, samples, belief) = style.panels(STRIP, 1.7, 0.9, top=0.26)
+        figure, (strip, samples, belief) = style.panels(STRIP, 1.7, 0.9)
         phase_strip(strip, flight)
         few = np.flatnonzero(np.isfinite(error))
         few = few[:: max(1, len(few) // MOST_SAMPLES)]
@@ -95,26 +93,22 @@ def anomaly_strip(flight: Flight, scenario: Any, tracked: dict[str, Any], modes:
             (~odd, style.BLUE, "taken for nominal"),
             (odd, style.VERMILION, "taken for anomalous"),
         ):
-            samples.plot(time[few[among]], error[few[among]], ".", color=colour, markersize=1.8, label=label)
+            samples.points(time[few[among]], error[few[among]], colour=colour, size=1.8, label=label)
         chosen = peaks(sigma, BINS)
         for side in (-2, 2):
-            samples.plot(time[chosen], side * sigma[chosen], color=style.BLACK, linewidth=0.6, dashes=(4, 2))
-        samples.set_yscale("symlog", linthresh=max(2 * float(np.nanmedian(sigma)), 1e-6))
+            samples.line(time[chosen], side * sigma[chosen], width=0.6, dashes=(4, 2))
+        linear = max(2 * float(np.nanmedian(sigma)), 1e-6)
+        samples.y.scale = Scale("symmetric", linear, 1.1)
         half = 1.4 * float(np.abs(error[few]).max()) if few.size else 1.0
-        ticks = [tick for tick in (0.01, 0.1, 1.0, 10.0) if 2 * float(np.nanmedian(sigma)) <= tick <= half]
-        samples.set_ylim(-half, half)
-        samples.set_yticks([*(-tick for tick in ticks), 0.0, *ticks])
-        samples.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
-        samples.minorticks_off()
-        samples.set_ylabel(f"error of {channel}, deg")
-        figure.legend(
-            *samples.get_legend_handles_labels(), loc="upper left", ncols=2, markerscale=4,
-            bbox_to_anchor=(style.LEFT / style.WIDTH, 1.0),
-        )  # fmt: skip
+        ticks = [tick for tick in (0.01, 0.1, 1.0, 10.0) if linear <= tick <= half]
+        samples.y.limits = -half, half
+        samples.y.ticks = [(tick, written(tick)) for tick in (*(-tick for tick in ticks), 0.0, *ticks)]
+        samples.y.label = f"error of {channel}, deg"
+        figure.legend = [samples.labelled]
         edges = windows(one.track.time, 0, flight, MANY)
-        belief.fill_between(pooled(one.track.time, edges), pooled(worse, edges), color=style.VERMILION, linewidth=0)
-        belief.set_ylim(0, 1)
-        belief.set_ylabel("mean probability")
-        belief.set_xlabel(TIME)
+        belief.band(pooled(one.track.time, edges), 0.0, pooled(worse, edges), style.VERMILION)
+        belief.y.limits = 0.0, 1.0
+        belief.y.label = "mean probability"
+        belief.x.label = TIME
         return figure
     return None

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import textwrap
-from typing import Any
 
 import numpy as np
 
 from sim.flight.record import Flight
 from sim.metrics.alarms.monitoring import AlarmShare
+from sim.reporting.drawing.figure import Drawing
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import phase_strip
 from sim.reporting.figures.histories import STRIP, TIME
@@ -22,30 +22,30 @@ WRONG = ("departure", "sensor_fault")  # events that no tracker is told
 
 def monitor_strip(
     flight: Flight, shares: dict[str, AlarmShare], rates: dict[str, float | None], colours: dict[str, str]
-) -> Any:
+) -> Drawing:
     """Figure of the alarmed share of the draws of each tracker; ``rates`` are alarmed looks in 1000."""
     figure, (strip, axes) = style.panels(STRIP, ROW * len(shares))
     phase_strip(strip, flight)
     places = [len(shares) - 1.0 - row for row in range(len(shares))]
     for place, (name, shown) in zip(places, shares.items(), strict=True):
-        axes.axhline(place, color=style.LIGHT, linewidth=0.5)
+        axes.rule(y=place, colour=style.LIGHT, order=0.5)
         kept = _corners(shown.share)
         top = place + FULL * shown.share[kept]
-        axes.fill_between(shown.time[kept], place, top, color=colours.get(name, style.GREY), linewidth=0.4)
+        axes.band(shown.time[kept], place, top, colours.get(name, style.GREY), edge=0.4)
     wrong = [event for event in flight.events if event.name in WRONG]
     for event in wrong:
-        axes.axvline(event.time, color=style.VERMILION, linewidth=0.8)
+        axes.rule(x=event.time, colour=style.VERMILION, width=0.8)
     for event in wrong[:1]:
-        axes.annotate(
-            words(event.name), (event.time, len(shares)), (-3, -1), textcoords="offset points", ha="right", va="top",
-            fontsize=6, color=style.VERMILION,
+        axes.words(
+            words(event.name), event.time, len(shares), right=-3.0, up=-1.0, above=1.0, size=6.0,
+            colour=style.VERMILION, anchor="end", free=True,
         )  # fmt: skip
     labels = [textwrap.fill(f"{words(name)} {_rate(rates[name])}", LINE) for name in shares]
-    axes.set_yticks([place + 0.5 * FULL for place in places], labels, fontsize=5, linespacing=0.95)
-    axes.set_ylim(-0.1, len(shares))
-    axes.grid(False, axis="y")
-    axes.set_xlabel(TIME)
-    axes.xaxis.set_label_coords(0.5, -0.28 / (ROW * len(shares)))
+    axes.y.ticks = [(place + 0.5 * FULL, name) for place, name in zip(places, labels, strict=True)]
+    axes.y.size = 5.0
+    axes.y.limits = -0.1, len(shares)
+    axes.grid = "x"
+    axes.x.label = TIME
     return figure
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from sim.metrics.alarms.operating_curve import OperatingCurve
+from sim.reporting.drawing.figure import Drawing
+from sim.reporting.drawing.legends import entries_of
+from sim.reporting.drawing.marks import PAPER
+from sim.reporting.drawing.scales import LOGARITHMIC
 from sim.reporting.figures import style
 from sim.reporting.text.labels import words
 
@@ -15,34 +17,29 @@ HEIGHT = 1.5  # in
 PROMISED = 1.0  # false alarms in 1000 looks, of the larger dots
 
 
-def drawn_curves(curves: dict[str, list[OperatingCurve]]) -> Any | None:
+def drawn_curves(curves: dict[str, list[OperatingCurve]]) -> Drawing | None:
     """Figure of the curves of each tracker; None where nothing was noticed, or there was nothing to notice."""
     every = [curve for own in curves.values() for curve in own]
-    if not any(np.isfinite(curve.delay).any() for curve in every):
+    if not any((np.isfinite(curve.delay) & np.isfinite(curve.false_alarms)).any() for curve in every):
         return None
-    from matplotlib.ticker import FuncFormatter
-
-    figure, panels = style.grid(1, len(curves), HEIGHT, top=0.24)
+    figure, panels = style.grid(1, len(curves), HEIGHT)
     edge = 500.0 / max(max(curve.looks for curve in every), 1)
-    handles: dict[str, Any] = {}
     for axes, (name, own) in zip(panels, curves.items(), strict=True):
         for colour, curve in zip(COLOURS, own, strict=False):
             seen = np.isfinite(curve.delay) & np.isfinite(curve.false_alarms)
             none = seen & (curve.false_alarms == 0.0)
             at = np.where(none, edge, curve.false_alarms)
-            (handles[curve.test],) = axes.plot(at[seen], curve.delay[seen], color=colour, label=curve.test)
-            axes.plot(at[none], curve.delay[none], "o", markersize=3, color=colour, markerfacecolor="white")
+            axes.line(at[seen], curve.delay[seen], colour=colour, label=curve.test)
+            axes.points(at[none], curve.delay[none], colour=colour, marker="o", size=3.0, fill=PAPER)
             some = seen & ~none
-            axes.plot(at[some], curve.delay[some], "o", markersize=2, color=colour)
+            axes.points(at[some], curve.delay[some], colour=colour, marker="o", size=2.0)
             promised = seen & np.isclose(curve.stated, PROMISED)
-            axes.plot(at[promised], curve.delay[promised], "o", markersize=4.5, color=colour)
-        axes.set_title(words(name), pad=2)
-        axes.set_xscale("log")
-        axes.set_xlabel("false alarms in 1000 looks")
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.minorticks_off()
-    panels[0].set_xlim(0.8 * edge, 700.0)
-    panels[0].set_ylim(0.0, None)
-    panels[0].set_ylabel("median delay, s")
-    figure.legend(handles.values(), handles, loc="upper left", ncols=4, bbox_to_anchor=(style.LEFT / style.WIDTH, 1.0))
+            axes.points(at[promised], curve.delay[promised], colour=colour, marker="o", size=4.5)
+        axes.title = words(name)
+    panels[0].x.scale = LOGARITHMIC
+    panels[0].x.label = "false alarms in 1000 looks"
+    panels[0].x.limits = 0.8 * edge, 700.0
+    panels[0].y.limits = 0.0, None
+    panels[0].y.label = "median delay, s"
+    figure.legend = [entries_of(panels)]
     return figure

@@ -8,6 +8,9 @@ import numpy as np
 
 from sim.flight.record import Flight
 from sim.observation.antenna import inside
+from sim.reporting.drawing.figure import Drawing, Panel
+from sim.reporting.drawing.marks import PAPER, Points
+from sim.reporting.drawing.scales import LOGARITHMIC, Scale, written
 from sim.reporting.figures import style
 from sim.reporting.figures.curves import phase_strip
 from sim.reporting.figures.histories import STRIP, TIME
@@ -18,51 +21,46 @@ from sim.reporting.tracker_figures.path_bound import PathBound
 
 BINS = 160  # stretches of a curve whose least and greatest value are drawn
 COLUMNS = 3  # of the small panels
-LEGEND = 0.22  # in, room above the panels
 CREDIBLE = 30.0  # times the median 2 sigma of all: the frame of the small panels, linear up to once that
 UNCREDIBLE = 1e3  # ANEES and NIS of lost trackers may leave the frame
 DECADES = 4.0  # most that a logarithmic axis shows
 
 
-def error_over_time(flight: Flight, followed: list[Shown], bound: PathBound | None) -> Any:
+def error_over_time(flight: Flight, followed: list[Shown], bound: PathBound | None) -> Drawing:
     """Figure of the RMSE over draws at every epoch, one panel for each channel, on logarithmic axes."""
     names = shown_channels(followed)[:3]
-    figure, (strip, *panels) = style.panels(STRIP, *(1.9 for _ in names), top=LEGEND)
+    figure, (strip, *panels) = style.panels(STRIP, *(1.9 for _ in names))
     phase_strip(strip, flight)
     for axes, channel in zip(panels, names, strict=True):
         shown = [one for one in followed if channel in one.curves.channels]
         _raw(axes, shown, channel)
         for one in shown:
             curves = one.curves
-            thinned(axes, curves.time, curves.channels[channel].rmse, label=words(one.name), linewidth=1.0, **one.look)
+            thinned(axes, curves.time, curves.channels[channel].rmse, label=words(one.name), width=1.0, **one.look)
         if bound is not None and channel in ("position_m", "cross_track_m"):
             limit = bound.position if channel == "position_m" else bound.cross_track
             thinned(
-                axes, bound.time, limit, color=style.BLACK, linewidth=1.2, dashes=(1, 1.2), label="known accelerations"
+                axes, bound.time, limit, colour=style.BLACK, width=1.2, dashes=(1, 1.2), label="known accelerations"
             )
         logarithmic(axes)
-        axes.set_ylabel(_label(channel, "RMSE"))
-    panels[-1].set_xlabel(TIME)
+        axes.y.label = _label(channel, "RMSE")
+    panels[-1].x.label = TIME
     legend(figure, panels[0], followed)
     return figure
 
 
-def _raw(axes: Any, shown: list[Shown], channel: str) -> None:
+def _raw(axes: Panel, shown: list[Shown], channel: str) -> None:
     """The raw measurements, from the tracker that has most of them."""
     most = max((one.curves for one in shown), key=lambda curves: np.isfinite(curves.channels[channel].raw).sum())
     raw = most.channels[channel].raw
     chosen = np.flatnonzero(np.isfinite(raw))
     if chosen.size:
         chosen = chosen[peaks(raw[chosen], BINS)]
-        axes.plot(
-            most.time[chosen], raw[chosen], ".", color="#B0B0B0", markersize=2.0, label="raw measurement", zorder=1.2
-        )
+        axes.points(most.time[chosen], raw[chosen], colour="#B0B0B0", size=2.0, label="raw measurement", order=1.2)
 
 
-def credibility(flight: Flight, followed: list[Shown]) -> Any | None:
+def credibility(flight: Flight, followed: list[Shown]) -> Drawing | None:
     """Figure with a panel for each tracker: 95 % of its signed errors against +-2 sigma of its own covariance."""
-    from matplotlib.ticker import FuncFormatter
-
     channel = next((c for c in ("cross_track_m", *shown_channels(followed)) if c != "position_m"), "")
     shown = [one for one in followed if channel in one.curves.channels]
     if not shown:
@@ -70,47 +68,39 @@ def credibility(flight: Flight, followed: list[Shown]) -> Any | None:
     twice = np.concatenate([2 * one.curves.channels[channel].sigma for one in shown])
     scale = float(np.nanmedian(twice)) if np.isfinite(twice).any() else 1.0
     rows = -(-len(shown) // COLUMNS)
-    figure, grid = style.grid(rows, min(COLUMNS, len(shown)), 0.95, top=0.34)
+    figure, grid = style.grid(rows, min(COLUMNS, len(shown)), 0.95)
     for axes, one in zip(grid, shown, strict=False):
         curves = one.curves.channels[channel]
-        colour = one.look["color"]
+        colour = one.look["colour"]
         chosen = np.union1d(*(peaks(curve, BINS // 2) for curve in (curves.low, curves.high)))
         time, sigma = one.curves.time[chosen], curves.sigma[chosen]
-        axes.fill_between(time, -2 * sigma, 2 * sigma, color=style.SHADE, linewidth=0, label="±2 σ that it states")
+        axes.band(time, -2 * sigma, 2 * sigma, style.SHADE, label="±2 σ that it states")
         for side, curve in enumerate((curves.low, curves.high)):
-            label = None if side else "2.5 and 97.5 % of its errors" if one.curves.draws > 1 else "its error"
-            axes.plot(time, curve[chosen], color=colour, linewidth=0.8, label=label)
-        axes.axhline(0.0, color=style.BLACK, linewidth=0.4)
-        axes.set_title(words(one.name), fontsize=7.5, pad=2)
-    for axes in grid[len(shown) :]:
-        axes.set_axis_off()
+            label = "" if side else "2.5 and 97.5 % of its errors" if one.curves.draws > 1 else "its error"
+            axes.line(time, curve[chosen], colour=colour, width=0.8, label=label)
+        axes.rule(y=0.0, width=0.4)
+        axes.title, axes.title_size = words(one.name), 7.5
+    style.end_columns(figure, len(shown), COLUMNS)
     scale = 10.0 ** round(float(np.log10(scale)))
-    grid[0].set_yscale("symlog", linthresh=scale, linscale=1.2)
-    grid[0].set_ylim(-CREDIBLE * scale, CREDIBLE * scale)
-    grid[0].set_yticks([side * size * scale for side in (-1, 1) for size in (1, 10)] + [0])
-    grid[0].yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
-    grid[0].minorticks_off()
-    grid[0].set_xlim(float(flight.time[0]), float(flight.time[-1]) + 1e-6)
-    for axes in grid[:: min(COLUMNS, len(shown))]:
-        axes.set_ylabel(_label(channel, ""), fontsize=7.0)
-    for axes in grid[max(0, len(shown) - COLUMNS) : len(shown)]:
-        axes.tick_params(labelbottom=True)
-        axes.set_xlabel(TIME)
-    handles, labels = grid[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper left", bbox_to_anchor=(style.LEFT / style.WIDTH, 1.0), ncols=2)
+    x, y = grid[0].x, grid[0].y
+    y.scale, y.limits = Scale("symmetric", scale, 1.33), (-CREDIBLE * scale, CREDIBLE * scale)
+    ticks = [0.0, *(side * size * scale for side in (-1, 1) for size in (1, 10))]
+    y.ticks = [(tick, written(tick)) for tick in sorted(ticks)]
+    x.limits = float(flight.time[0]), float(flight.time[-1]) + 1e-6
+    y.label, y.label_size = _label(channel, ""), 7.0
+    x.label = TIME
+    figure.legend = [grid[0].labelled]
     return figure
 
 
-def consistency_over_time(flight: Flight, followed: list[Shown]) -> Any:
+def consistency_over_time(flight: Flight, followed: list[Shown]) -> Drawing:
     """Figure of ANEES and of the mean NIS at every epoch with the band that 95 % of consistent trackers keep."""
-    from scipy.special import chdtri
-
-    figure, (strip, errors, innovations) = style.panels(STRIP, 1.7, 1.7, top=LEGEND)
+    figure, (strip, errors, innovations) = style.panels(STRIP, 1.7, 1.7)
     phase_strip(strip, flight)
     channel = shown_channels(followed)[0]
     dimension = 2 if channel == "position_m" else 1
     for one in followed:
-        look = {"label": words(one.name), "linewidth": 0.9, **one.look}
+        look = {"label": words(one.name), "width": 0.9, **one.look}
         if channel in one.curves.channels:
             thinned(errors, one.curves.time, one.curves.channels[channel].anees, **look)
         thinned(innovations, one.curves.time, one.curves.nis, **look)
@@ -121,26 +111,33 @@ def consistency_over_time(flight: Flight, followed: list[Shown]) -> Any:
         (errors, np.full(2, float(max(one.curves.draws for one in followed) * dimension)), time),
         (innovations, most.nis_samples[seen].astype(float), most.time[seen]),
     ):
-        chosen = peaks(samples, BINS // 2)
-        low, high = (chdtri(samples[chosen], tail) / samples[chosen] for tail in (0.975, 0.025))
-        axes.fill_between(when[chosen], low, high, color="#BBBBBB", linewidth=0, zorder=1.1, label="95 % band")
-        axes.axhline(1.0, color=style.BLACK, linewidth=0.5, zorder=1.3)
-        logarithmic(axes)
-        axes.set_ylim(0.2, min(max(axes.get_ylim()[1], 5.0), UNCREDIBLE))
-    errors.set_ylabel(f"ANEES of {split(channel)[0]}")
-    innovations.set_ylabel("mean NIS")
-    innovations.set_xlabel(TIME)
+        band_of_one(axes, samples, when)
+    errors.y.label = f"ANEES of {split(channel)[0]}"
+    innovations.y.label = "mean NIS"
+    innovations.x.label = TIME
     legend(figure, errors, followed)
     return figure
 
 
-def error_by_phase(flight: Flight, trackers: dict[str, Any], followed: list[Shown]) -> Any | None:
+def band_of_one(axes: Panel, samples: np.ndarray, when: np.ndarray) -> None:
+    """The band about 1 in which means of so many squares lie with 95 %, on a logarithmic axis."""
+    from scipy.special import chdtri
+
+    chosen = peaks(samples, BINS // 2)
+    low, high = (chdtri(samples[chosen], tail) / samples[chosen] for tail in (0.975, 0.025))
+    axes.band(when[chosen], low, high, "#BBBBBB", order=1.1, label="95 % band")
+    axes.rule(y=1.0, order=1.3)
+    logarithmic(axes)
+    axes.y.limits = 0.2, min(max(axes.y.limits[1] or 0.0, 5.0), UNCREDIBLE)
+
+
+def error_by_phase(flight: Flight, trackers: dict[str, Any], followed: list[Shown]) -> Drawing | None:
     """Figure of the RMSE by phase as bars, with intervals and the raw measurement across each group."""
     looks = {one.name: one.look for one in followed}
     names = [c for c in shown_channels(followed) if any(c in by for t in trackers.values() for by in _phases(t))][:2]
     if not names:
         return None
-    figure, panels = style.panels(*(1.6 for _ in names), top=LEGEND, share=True)
+    figure, panels = style.panels(*(1.6 for _ in names))
     order = list(dict.fromkeys(flight.phases[int(i)] for i in flight.phase))
     for axes, channel in zip(panels, names, strict=True):
         flown = [p for p in order if any(channel in (t.get("by_phase") or {}).get(p, {}) for t in trackers.values())]
@@ -152,22 +149,22 @@ def error_by_phase(flight: Flight, trackers: dict[str, Any], followed: list[Show
             _bars(axes, at, top, 0.43 * width, look)
             nothing = np.full(len(at), np.nan)
             ends = np.stack((low, high, nothing), axis=1).ravel()
-            axes.plot(np.stack((at, at, nothing), axis=1).ravel(), ends, color="#333333", linewidth=0.6)
+            axes.line(np.stack((at, at, nothing), axis=1).ravel(), ends, colour="#333333", width=0.6)
             sizes += top[np.isfinite(top)].tolist()
         for place, phase in enumerate(flown):
             raws = [(t.get("by_phase") or {}).get(phase, {}).get(channel, {}).get("raw") for t in trackers.values()]
             raw = next((value for value in raws if value), None)
             if raw:
-                label = None if axes.get_legend_handles_labels()[1] else "raw measurement"
-                axes.plot((place - 0.45, place + 0.45), (raw, raw), color=style.BLACK, linewidth=1.1, label=label)
+                label = "" if any(mark.label for mark in axes.marks) else "raw measurement"
+                axes.line((place - 0.45, place + 0.45), (raw, raw), label=label)
                 sizes.append(raw)
-        axes.set_xticks(range(len(flown)), [words(phase) for phase in flown])
-        axes.grid(False, axis="x")
-        axes.set_ylabel(_label(channel, "RMSE"))
+        axes.x.ticks = [(float(place), words(phase)) for place, phase in enumerate(flown)]
+        axes.grid = "y"
+        axes.y.label = _label(channel, "RMSE")
         logarithmic(axes, *sizes)
-        highest = axes.get_ylim()[1]
-        axes.set_ylim(max(0.6 * min(sizes), highest / 10**DECADES), highest)
-        axes.set_xlim(-0.55, len(flown) - 0.45)
+        highest = axes.y.limits[1] or 1.0
+        axes.y.limits = max(0.6 * min(sizes), highest / 10**DECADES), highest
+        axes.x.limits = -0.55, len(flown) - 0.45
     legend(figure, panels[0], followed)
     return figure
 
@@ -176,25 +173,18 @@ def _numbers(values: list[Any]) -> np.ndarray:
     return np.array([np.nan if value is None else value for value in values], float)
 
 
-def _bars(axes: Any, at: np.ndarray, tops: np.ndarray, half: float, look: dict[str, Any]) -> None:
-    """Bars of one tracker as one collection, which costs a tenth of as many patches."""
-    from matplotlib.collections import PolyCollection
-
-    corners = [((x - half, 1e-9), (x - half, y), (x + half, y), (x + half, 1e-9))
-               for x, y in zip(at, tops, strict=True) if np.isfinite(y)]  # fmt: skip
-    filled = look["dashes"] == style.SOLID
-    face = look["color"] if filled else "white"
-    hatch = None if filled else "//////"
-    axes.add_collection(
-        PolyCollection(corners, facecolor=face, edgecolor=look["color"], linewidth=0.6, hatch=hatch), autolim=False
-    )
+def _bars(axes: Panel, at: np.ndarray, tops: np.ndarray, half: float, look: dict[str, Any]) -> None:
+    """Bars of one tracker; hatched where its law is mismatched."""
+    colour = look["colour"]
+    inside, hatch = (PAPER, colour) if look["dashes"] in style.DASHES else (colour, "")
+    axes.blocks(at - half, at + half, 0.0, tops, inside, edge=colour, hatch=hatch)
 
 
 def _phases(tracker: dict[str, Any]) -> list[dict[str, Any]]:
     return list((tracker.get("by_phase") or {}).values())
 
 
-def containment(flight: Flight, scenario: Any, followed: list[Shown]) -> tuple[Any, str] | None:
+def containment(flight: Flight, scenario: Any, followed: list[Shown]) -> tuple[Drawing, str] | None:
     """Figure of the 95th percentile of the cross-track error against the azimuth norm of a precision radar.
 
     Also a sentence on how often each tracker keeps it; None without such a radar or without a place.
@@ -206,7 +196,7 @@ def containment(flight: Flight, scenario: Any, followed: list[Shown]) -> tuple[A
         return None
     from sim.flight.interpolation import truth_at
 
-    figure, (strip, axes) = style.panels(STRIP, 2.1, top=LEGEND)
+    figure, (strip, axes) = style.panels(STRIP, 2.1)
     phase_strip(strip, flight)
     shares, covered = [], radar.outline()
     seen = inside(covered, flight.state.north, flight.state.east)
@@ -214,21 +204,21 @@ def containment(flight: Flight, scenario: Any, followed: list[Shown]) -> tuple[A
         return None
     norm = np.where(seen, azimuth_norm(_slant(radar, flight.state)), np.nan)
     chosen = peaks(norm, BINS)
-    axes.fill_between(flight.time[chosen], norm[chosen], 1e-3, color=style.SHADE, linewidth=0, label="within the norm")
-    axes.plot(flight.time[chosen], norm[chosen], color=style.BLACK, linewidth=1.2, label="norm")
+    axes.band(flight.time[chosen], 1e-3, norm[chosen], style.SHADE, label="within the norm")
+    axes.line(flight.time[chosen], norm[chosen], colour=style.BLACK, width=1.2, label="norm")
     for one in shown:
         state = truth_at(flight, one.curves.time).state
         within = inside(covered, state.north, state.east)
         p95 = np.where(within, one.curves.channels["cross_track_m"].p95, np.nan)
-        thinned(axes, one.curves.time, p95, label=words(one.name), linewidth=1.0, **one.look)
+        thinned(axes, one.curves.time, p95, label=words(one.name), width=1.0, **one.look)
         if within.any():
             kept = float(np.mean(p95[within] <= azimuth_norm(_slant(radar, state)[within])))
             shares.append((kept, f"{words(one.name)} {100 * kept:.0f} %"))
     logarithmic(axes)
     first, last = flight.time[np.flatnonzero(seen)[[0, -1]]]
-    axes.set_xlim(float(first), max(float(last), float(first) + 1e-6))
-    axes.set_ylabel("95 % of |cross-track|, m")
-    axes.set_xlabel(TIME)
+    axes.x.limits = float(first), max(float(last), float(first) + 1e-6)
+    axes.y.label = "95 % of |cross-track|, m"
+    axes.x.label = TIME
     legend(figure, axes, followed)
     shares.sort(key=lambda share: -share[0])
     return figure, "; ".join(text for _, text in shares)
@@ -243,7 +233,7 @@ def azimuth_norm(distance: Any) -> Any:
     return np.maximum(0.006 * distance, 9.0)
 
 
-def look_ahead_fan(trackers: dict[str, Any], followed: list[Shown]) -> Any | None:
+def look_ahead_fan(trackers: dict[str, Any], followed: list[Shown]) -> Drawing | None:
     """Figure of the RMSE of predicted positions over how far ahead they were made; None where none were."""
     looks = {one.name: one.look for one in followed}
     chosen = {name: t["look_ahead"] for name, t in trackers.items() if name in looks and t.get("look_ahead")}
@@ -251,17 +241,18 @@ def look_ahead_fan(trackers: dict[str, Any], followed: list[Shown]) -> Any | Non
     names = [channel for channel in ("position_m", "cross_track_m") if channel in found]
     if not names:
         return None
-    figure, panels = style.panels(*(1.7 for _ in names), top=LEGEND)
+    figure, panels = style.panels(*(1.7 for _ in names))
     for axes, channel in zip(panels, names, strict=True):
         for name, by in chosen.items():
             points = sorted(
                 (float(span.partition("_")[0]), _rmse(figures.get(channel))) for span, figures in by.items()
             )
             ahead, errors = np.array([point for point in points if point[1] is not None]).reshape(-1, 2).T
-            axes.plot(ahead, errors, "o-", markersize=3, label=words(name), **looks[name])
+            axes.line(ahead, errors, label=words(name), **looks[name])
+            axes.points(ahead, errors, colour=looks[name]["colour"], marker="o")
         logarithmic(axes)
-        axes.set_ylabel(_label(channel, "RMSE"))
-    panels[-1].set_xlabel("looked ahead, s")
+        axes.y.label = _label(channel, "RMSE")
+    panels[-1].x.label = "looked ahead, s"
     legend(figure, panels[0], followed)
     return figure
 
@@ -273,41 +264,27 @@ def _rmse(figure: Any) -> float | None:
 # ------------------------------------------------------------------------------------------------ shared by the above
 
 
-def thinned(axes: Any, time: np.ndarray, values: np.ndarray, **look: Any) -> None:
+def thinned(axes: Panel, time: np.ndarray, values: np.ndarray, **look: Any) -> None:
     """Draw a curve with the peaks of its finite values; where it is missing it is broken."""
     chosen = peaks(values, BINS)
-    axes.plot(time[chosen], values[chosen], **look)
+    axes.line(time[chosen], values[chosen], **look)
 
 
-def logarithmic(axes: Any, *more: float) -> None:
+def logarithmic(axes: Panel, *more: float) -> None:
     """A logarithmic axis of few labelled ticks, at most some decades below its greatest value or one of ``more``."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    values = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) > 2 or line.get_marker() != "None"]
-    values += [list(more)]
-    every = np.concatenate([np.asarray(v, float) for v in values]) if values else np.array([1.0])
+    values = [line.y for line in axes.lines if len(line.y) > 2]
+    values += [mark.y for mark in axes.marks if isinstance(mark, Points)] + [np.array(more, float)]
+    every = np.concatenate(values)
     every = every[np.isfinite(every) & (every > 0.0)]
     low, high = (float(every.min()), float(every.max())) if every.size else (0.1, 10.0)
     low, high = max(low, high / 10**DECADES), max(high, low * 3)
-    axes.set_yscale("log")
-    axes.set_ylim(low / 1.3, high * 1.3)
-    subs = (1.0,) if high / low > 300 else (1.0, 2.0, 5.0)
-    axes.yaxis.set_major_locator(LogLocator(subs=subs))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.minorticks_off()
+    axes.y.scale, axes.y.limits = LOGARITHMIC, (low / 1.3, high * 1.3)
 
 
-def legend(figure: Any, axes: Any, followed: list[Shown]) -> None:
+def legend(figure: Drawing, axes: Panel, followed: list[Shown]) -> None:
     """A legend above the panels of all but the trackers, whose colours the page names beside each figure."""
     names = {words(one.name) for one in followed}
-    handles, labels = axes.get_legend_handles_labels()
-    others = [(handle, label) for handle, label in zip(handles, labels, strict=True) if label not in names]
-    if others:
-        figure.legend(
-            *zip(*others, strict=True), loc="upper left", bbox_to_anchor=(style.LEFT / style.WIDTH, 1.0), ncols=3,
-            borderaxespad=0.0, columnspacing=1.4, handletextpad=0.5, handlelength=2.2,
-        )  # fmt: skip
+    figure.legend = [[mark for mark in axes.labelled if mark.label not in names]]
 
 
 def _label(channel: str, what: str) -> str:

@@ -41,7 +41,9 @@ PACKAGES = ("aircraft", "autopilot", "tracking", "sim")
 
 
 def shared(prepared: Prepared) -> bool:
-    """Whether cells can share this flight: it has trackers, and none of them navigates it."""
+    """Whether cells can share this flight: it is flown, has trackers, and none of them navigates it."""
+    if prepared.recording is not None:  # a file of its own already
+        return False
     return bool(prepared.scenario.trackers) and prepared.scenario.autopilot.navigation == "truth"
 
 

@@ -21,7 +21,7 @@ from sim.claims.plots import Curve, Plot
 from sim.claims.table import summary, table
 from sim.claims.verdict import above, at_most, between, borderline, number, verdict, zero
 from sim.cli.commands import app, main
-from sim.reporting.figures import style
+from tests.sim.drawn import drawings
 from tracking.intervals import Interval
 
 LISTED = tomllib.loads((Path(__file__).resolve().parents[2] / "papers.toml").read_text())
@@ -270,12 +270,12 @@ def test_the_page_shows_rows_and_figures():
     plot = Plot(
         "fig. 1", "Made", "Made up.", "x", "y", (Curve("a", [0, 1], [1, 2]), Curve("b", [0, 1], [2, 1], "dots"))
     )
-    with style.drawing():
-        drawn = chart(plot)
+    drawn = chart(plot)
     text = page("Claims of made", [made()], {"made": [drawn]}, 3)
     assert "1 claims: 1 exceeded." in text
     assert "fig. 1: Made" in text
-    assert drawn.image.startswith("data:image/svg+xml")
+    assert len(drawings(text)) == 1
+    assert [mark.label for mark in drawn.figure.legend[0]] == ["a", "b"]
 
 
 def test_known_counts_are_reproduced():

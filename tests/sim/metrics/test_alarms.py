@@ -95,7 +95,7 @@ def test_a_lower_threshold_is_sooner_and_more_often_wrong():
     assert ours.false_alarms[at] == pytest.approx(known["onsets_per_1000"])
     assert ours.detected[at] == known["detected_fraction"]
     figure = drawn_curves({"mine": curves})
-    assert [axes.get_title(loc="left") or axes.get_title() for axes in figure.axes] == ["mine"]
+    assert [panel.title for panel in figure.panels] == ["mine"]
     assert drawn_curves({}) is None
 
 

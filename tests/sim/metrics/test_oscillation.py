@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import base64
 import math
-import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,6 +22,7 @@ from sim.studies.bisection import find_limit
 from sim.studies.metrics import study_metrics
 from sim.studies.page import page
 from tests.capture import CAPTURE
+from tests.sim.drawn import drawings
 
 LINE = {**CAPTURE, "name": "line", "until_s": 60.0, "start": {"cross_track_m": 3000.0}}
 G = 9.80665
@@ -174,7 +173,7 @@ def test_the_page_of_the_gain_map_has_theory_beside_every_flight():
     text = page(scenario, metrics, records, again)
     for told in ("bank_cycle_deg by theory", "bank_cycle_period_s by theory", "theory and flights"):
         assert told in text
-    drawn = [base64.b64decode(image).decode() for image in re.findall(r"base64,([A-Za-z0-9+/=]+)", text)]
+    drawn = drawings(text)
     assert any("theory: linear margin" in image and "describing functions, from 300 m" in image for image in drawn)
     columns = metrics["predicted"]
     assert columns["bank_cycle_deg"][:2] == [None, None]  # no cycle at a tenth of the bandwidth

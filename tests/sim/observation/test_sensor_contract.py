@@ -13,6 +13,7 @@ from aircraft.state import AircraftState
 from sim.flight.interpolation import position_at, state_at
 from sim.observation.antenna import inside, sector
 from sim.observation.sensor import MEMBERS, QUANTITIES, broken_promises, quantity_of
+from sim.scenario import catalogue
 from sim.scenario.tables import Runway
 
 TEXT = (Path(__file__).resolve().parents[2] / "parts" / "doppler_radar.py").read_text()
@@ -28,7 +29,10 @@ def broken(tmp_path, before, after, **fields):
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
-        return broken_promises(module.DopplerRadar, lambda: module.DopplerRadar(runway=Runway(), **fields))
+        cls = module.DopplerRadar
+        if isinstance(cls, type):
+            catalogue.completed("sensors", cls)
+        return broken_promises(cls, lambda: cls(runway=Runway(), **fields))
     finally:
         del sys.modules[name]
 
@@ -51,7 +55,15 @@ FAULTS = {
     "gives_place is True, and channels have neither": ("= False, 0.0, None", "= True, 0.0, None"),
     "gives_place must be True or False": ("= False, 0.0, None", "= 'no', 0.0, None"),
     "zero_azimuth must be a number": ("= False, 0.0, None", "= False, 0.0, 'north'"),
-    "clutter must be a number of at least 0": ("= False, 0.0, None", "= False, None, None"),
+    "clutter must be a number of at least 0": ("= False, 0.0, None", "= False, -1.0, None"),
+    "recording must be None, or a sim.observation.sensor.Recording": (
+        "gives_place, clutter, zero_azimuth = False, 0.0, None",
+        "gives_place, clutter, zero_azimuth, recording = False, 0.0, None, 7",
+    ),
+    "dated gives no sensor of its kind": (
+        "    def __post_init__(self)",
+        "    def dated(self, utc):\n        return None\n\n    def __post_init__(self)",
+    ),
     "it has clutter and no 'detection'": ("= False, 0.0, None", "= False, 1.0, None"),
     "zero_azimuth is None, and azimuth": ('("range", "range_rate")  #', '("range", "azimuth")  #'),
     "truth of one state has the shape (3,), not (2,)": ("np.stack((slant,", "np.stack((slant, slant,"),

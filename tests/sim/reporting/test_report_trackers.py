@@ -19,6 +19,7 @@ from sim.metrics.tracker import plot_errors, tracker_errors
 from sim.observation.record import SensorRecord
 from sim.observation.sensors.precision_radar import PrecisionRadar
 from sim.observation.sensors.surveillance_radar import SurveillanceRadar
+from sim.reporting.drawing.marks import Points
 from sim.reporting.figures import style
 from sim.reporting.replay import ellipse
 from sim.reporting.run_page import Seen, write
@@ -30,6 +31,7 @@ from sim.reporting.tracker_figures.path_bound import path_bound
 from sim.reporting.tracker_figures.tracking_errors import azimuth_norm, containment, error_over_time
 from sim.scenario.reading import read
 from tests.sim import one_flight
+from tests.sim.drawn import marks
 from tracking.measurement import LinearMeasurement
 from tracking.motion import CoordinatedTurn, ScheduledTurn
 from tracking.track import Measurements, Track
@@ -174,8 +176,25 @@ def test_twins_share_a_colour_and_the_wrong_law_is_dashed(flight):
     tracked = {name: followed_by(flight, error, origin) for name, origin in
                (("best", "autopilot"), ("twin", "told wrong"), ("plain", None))}  # fmt: skip
     best, twin, plain = shown_trackers(scenario(), tracked)
-    assert best.look["color"] == twin.look["color"] != plain.look["color"]
+    assert best.look["colour"] == twin.look["colour"] != plain.look["colour"]
     assert best.look["dashes"] == plain.look["dashes"] != twin.look["dashes"]
+
+
+def test_no_two_trackers_look_alike(flight):
+    """Three of one kind have three colours, three mismatched twins three ways to be dashed, the eleventh a colour's
+    second use dashed differently from all mismatched ones."""
+    told = {f"s{k}": "saturated_control" for k in range(6)} | {f"i{k}": "imm" for k in range(8)}
+    given = scenario(told)
+    wrong = ("s3", "s4", "s5")
+    tracked = {name: followed_by(flight, np.ones((2, 2)), "told wrong" if name in wrong else None) for name in told}
+    looks = {one.name: (one.look["colour"], one.look["dashes"]) for one in shown_trackers(given, tracked)}
+    assert len(set(looks.values())) == len(told)
+    assert len({looks[f"s{k}"][0] for k in range(3)}) == 3
+    assert {looks[name][0] for name in wrong} == {looks["s0"][0]}
+    assert all(looks[name][1] == style.SOLID for name in list(told)[:3])
+    again = looks["i7"]  # the eleventh that is not mismatched
+    assert again[0] == looks["s0"][0]
+    assert again[1] not in (style.SOLID, *style.DASHES)
 
 
 def test_ellipses_agree_with_eigenvectors():
@@ -219,8 +238,7 @@ def test_the_norm_is_what_the_radar_s_accuracy_is_made_of():
 def test_containment_counts_the_epochs_within_the_norm(flight):
     inside, outside = np.full((2, 4), 5.0), np.full((2, 4), 500.0)
     tracked = {"best": followed_by(flight, inside), "plain": followed_by(flight, outside)}
-    with style.drawing():
-        _, said = containment(flight, scenario(), shown_trackers(scenario(), tracked))
+    _, said = containment(flight, scenario(), shown_trackers(scenario(), tracked))
     assert said == "best 100 %; plain 0 %"
     assert containment(flight, scenario(sensors={}, trackers={}), []) is None
 
@@ -333,7 +351,7 @@ def test_all_figures_of_the_trackers_are_there(flight, tmp_path):
     ahead = {"20_s": {"position_m": {"rmse": 40.0}}, "60_s": {"position_m": {"rmse": 90.0}}}
     trackers = summaries(given, {"best": 10.0, "twin": 20.0, "plain": 30.0}, best={"look_ahead": ahead})
     page = written(tmp_path, flight, given, tracked, trackers, {"radar": record_of(tracked["best"])})
-    titles = [a["alt"].partition(": ")[0] for tag, a in page.tags if tag == "img"]
+    titles = page.titles()
     wanted = [
         "Error over time", "Error by phase", "Does each tracker know how good it is?", "Consistency over time",
         "Estimates in plan", "Containment against the radar's azimuth norm", "Look-ahead", "Model probabilities",
@@ -342,9 +360,9 @@ def test_all_figures_of_the_trackers_are_there(flight, tmp_path):
     assert [title for title in titles if title in wanted] == wanted
     assert page.faults == []
     assert "Of 3 trackers of the same measurements" in page.text.partition("flight time")[0]  # the first screen
-    for image in page.images():
+    for image in page.drawings:
         ElementTree.fromstring(image)
-        assert not re.search(rb"\bnan\b", image)
+        assert not re.search(r"\bnan\b", image)
     assert (tmp_path / "report.html").stat().st_size < LARGEST
 
 
@@ -358,8 +376,8 @@ def test_a_tracker_that_diverged_is_a_result(flight, tmp_path):
     )
     page = written(tmp_path, flight, given, tracked, trackers)
     assert not re.search(r"\bnan\b|\binf\b|None", page.text)
-    for image in page.images():
-        assert not re.search(rb"\b(nan|inf)\b", image)
+    for image in page.drawings:
+        assert not re.search(r"\b(nan|inf)\b", image)
     best = next(t for t in json.loads(page.scripts[0])["trackers"] if t["name"] == "best")
     assert best["x"][:2] != [None, None]
     assert best["x"][-1] is None
@@ -375,7 +393,7 @@ def test_the_name_of_a_tracker_stays_text(flight, tmp_path):
     assert page.faults == []
     assert "<" not in page.scripts[0]
     assert json.loads(page.scripts[0])["trackers"][0]["name"].count("<script>") == 1
-    for image in page.images():
+    for image in page.drawings:
         assert not any(node.tag.endswith("}script") for node in ElementTree.fromstring(image).iter())
 
 
@@ -407,11 +425,10 @@ def test_the_strip_shows_which_samples_were_taken_for_anomalous(flight):
         np.zeros((40, 1)), np.stack((1 - weights, weights), 1)[..., None],
     )  # fmt: skip
     tracked = {"two": judged(flight, given.sensors, track, Measurements(("mls.elevation",), time, time, z, R))}
-    with style.drawing():
-        figure = anomaly_strip(flight, given, tracked, {"two": ["noise × 1", "noise × 30"]})
-    nominal, anomalous = figure.axes[1].lines[:2]
-    np.testing.assert_allclose(anomalous.get_ydata(), 1.0, rtol=1e-6)
-    np.testing.assert_allclose(nominal.get_ydata(), 0.01, rtol=1e-6)
+    figure = anomaly_strip(flight, given, tracked, {"two": ["noise × 1", "noise × 30"]})
+    nominal, anomalous = marks(figure.panels[1], Points)
+    np.testing.assert_allclose(anomalous.y, 1.0, rtol=1e-6)
+    np.testing.assert_allclose(nominal.y, 0.01, rtol=1e-6)
     one, = shown_trackers(given, tracked)  # fmt: skip
     np.testing.assert_allclose(one.curves.path.height, 300.0, atol=1e-6)  # an angle is shown as a height
 
@@ -421,8 +438,7 @@ def test_a_mismatched_law_is_drawn_dashed(flight):
         "best": followed_by(flight, noisy(9.0, 1), "autopilot"),
         "twin": followed_by(flight, noisy(9.0, 2), "told wrong"),
     }
-    with style.drawing():
-        axes = error_over_time(flight, shown_trackers(scenario(), tracked), None).axes[1]
-    dashed = {line.get_label(): line.is_dashed() for line in axes.lines if line.get_label() in ("best", "twin")}
+    panel = error_over_time(flight, shown_trackers(scenario(), tracked), None).panels[1]
+    dashed = {line.label: bool(line.dashes) for line in panel.lines if line.label in ("best", "twin")}
     assert dashed == {"best": False, "twin": True}
-    assert axes.get_yscale() == "log"
+    assert panel.y.scale.kind == "log"

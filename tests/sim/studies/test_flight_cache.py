@@ -189,7 +189,7 @@ def test_a_flight_comes_back_as_it_was_left(tmp_path):
             assert one.strides == other.strides  # sums depend on the order in memory
     np.testing.assert_array_equal(flight.leg, again.leg)
     np.testing.assert_array_equal(flight.phase, again.phase)
-    rest = ("route", "phases", "events", "outcome", "reason", "gate_height")
+    rest = ("route", "phases", "events", "outcome", "reason", "gate_height", "utc")
     assert flight.rollout is again.rollout is None  # tests of the roll-out look at one that there is
     parts = {"state", "command", "leg", "phase", "rollout"}
     assert set(vars(flight)) == {*parts, *rest}  # whatever a flight has is looked at

@@ -15,6 +15,7 @@ from sim.experiment import fly
 from sim.flight.preparation import prepare
 from sim.observation.record import observe
 from sim.reporting.figures.flight import charts
+from sim.reporting.page import picture
 from sim.scenario.reading import read
 from sim.workers.sharing import current, helper
 
@@ -22,6 +23,10 @@ from sim.workers.sharing import current, helper
 def square(number):
     time.sleep(0.05)
     return number * number, os.getpid()
+
+
+def drawn(*flown):
+    return [picture(chart) for chart in charts(*flown)]
 
 
 def sulk(number, home):
@@ -67,16 +72,16 @@ def flown():
 
 @pytest.fixture(scope="module")
 def expected(flown):
-    return charts(*flown)
+    return drawn(*flown)
 
 
 def test_it_draws_the_same_bytes(shared, flown, expected):
-    assert shared.later(charts, *flown)() == expected
+    assert shared.later(drawn, *flown)() == expected
 
 
 def test_what_a_lost_process_owes_is_made_here(doomed, flown, expected):
     os.kill(doomed.helper.process.pid, signal.SIGKILL)
-    assert doomed.later(charts, *flown)() == expected
+    assert doomed.later(drawn, *flown)() == expected
 
 
 def test_both_take_their_part(shared):
@@ -131,7 +136,7 @@ def test_trackers_are_the_same_bytes():
 def test_what_is_not_worth_a_process_is_done_here(flown, expected):
     with helper(worth_it=False) as sharing:
         assert sharing.helper is None
-        assert sharing.later(charts, *flown)() == expected
+        assert sharing.later(drawn, *flown)() == expected
         assert [value for value, _ in sharing.in_order(square, [(2,), (3,)])] == [4, 9]
 
 

@@ -1,0 +1,1 @@
+"""Figures of tracks without a truth: ``innovations`` of plots, ``predicted`` plots, ``agreement`` of trackers."""

@@ -1,0 +1,49 @@
+"""Laws side by side over an axis of hypotheses: one call for the assumed law at all its limits, armed, and others."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tracking.reference_path import Law
+
+LARGEST_INTERCEPT = math.radians(120.0)  # of the course from the leg's: beyond it an aircraft flies away, and waits
+
+
+class LawBank(NamedTuple):
+    """The assumed law with its limits over an axis of hypotheses; in the last of them it is armed, or others fly.
+
+    An armed law is not yet flown: the heading is held until the law turns the aircraft towards the course of the leg.
+    From there on it is followed wherever it does that.
+    """
+
+    assumed: Law
+    armed: bool  # whether the hypothesis before those of the others is
+    others: tuple[Law, ...]
+    batch: int  # axes of runs behind that of the hypotheses
+
+    @property
+    def bank_limit(self) -> Any:
+        """rad."""
+        return self.assumed.bank_limit
+
+    def __call__(self, deviation: Any) -> Any:
+        """Bank, rad, of every hypothesis."""
+        banks = self.assumed(deviation)
+        first = banks.shape[-1 - self.batch] - len(self.others)
+        if self.armed:
+            which, own = self._one(first - 1, deviation)
+            error = own.track_error
+            engages = (banks[which] * error < 0.0) & (np.abs(error) < LARGEST_INTERCEPT)
+            banks[which] = np.where(engages, banks[which], 0.0)
+        for number, law in enumerate(self.others, first):
+            which, own = self._one(number, deviation)
+            banks[which] = law(own)
+        return banks
+
+    def _one(self, number: int, deviation: Any) -> tuple[Any, Any]:
+        """Where the banks of one hypothesis are, and its deviation."""
+        one = slice(number, number + 1)
+        return (..., one, *(slice(None),) * self.batch), deviation.of_hypotheses(one, self.batch)
