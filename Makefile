@@ -18,7 +18,8 @@ help:
 	@echo "make fleet       fly every stock aircraft of JSBSim and renew the table of list --aircraft"
 	@echo "                 with ROOT=DIR fly every aircraft of a folder of others into out/fleet.toml"
 	@echo "make bench       measure speed, as ratios within one run"
-	@echo "make soak        kill workers and parents of studies, interrupt all commands, compare what is left"
+	@echo "make soak        run every case that make test only samples; kill workers and parents of studies,"
+	@echo "                 interrupt all commands, compare what is left"
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "shortfinal needs Python 3.11 or newer")'
@@ -30,7 +31,7 @@ demo: .venv/ready
 	$(BIN)/shortfinal run an26_pattern -o out/an26_pattern
 
 test: .venv/ready lint
-	$(BIN)/python -m pytest -n 2 -m "not acceptance"
+	$(BIN)/python -m pytest -n 2 -m "not acceptance and not soak"
 
 # A file of each package and of each library that is held down; old libraries may warn about newer ones of others.
 OLDEST := build/oldest
@@ -83,6 +84,7 @@ bench: .venv/ready
 	$(BIN)/python tests/benchmarks/run.py
 
 soak: .venv/ready
+	$(BIN)/python -m pytest -n 2 -m soak
 	$(BIN)/python -m tests.soak.soak
 	$(BIN)/python -m tests.soak.interrupts
 

@@ -288,21 +288,32 @@ def intercept_peak(damping: float) -> float:
     return math.exp(-damping * math.acos(damping) / math.sqrt(1.0 - damping * damping))
 
 
-def lateral_law(bank_bandwidth: float, speed: float, bank_limit: float) -> LateralNavigation:
+def lateral_law(bank_bandwidth: float, speed: float, bank_limit: float, turning: float = 1.0) -> LateralNavigation:
     """Gains and limits of the route law [Vasylyev 2003, eq. (4)] from what the bank loop and the bank limit allow.
 
     The natural frequency is the lower of a share of the bank bandwidth, so that the lag of the bank does not matter,
-    and of that at which the capture from a 30 degree intercept asks for a share of the bank limit.
+    and of that at which the capture from a 30 degree intercept asks for a share of the bank limit. ``turning`` is the
+    share of g tan(bank) that turns the path.
     """
     closing = speed * math.sin(INTERCEPT)
-    authority = BANK_SHARE * STANDARD_GRAVITY * math.tan(bank_limit) / (intercept_peak(LAW_DAMPING) * closing)
-    return law_of_frequency(min(LAW_SHARE * bank_bandwidth, authority), speed, bank_limit)
+    turn = pull(turning) * math.tan(bank_limit)
+    authority = BANK_SHARE * turn / (intercept_peak(LAW_DAMPING) * closing)
+    return law_of_frequency(min(LAW_SHARE * bank_bandwidth, authority), speed, bank_limit, turning)
 
 
-def law_of_frequency(frequency: float, speed: float, bank_limit: float) -> LateralNavigation:
+def pull(turning: float) -> float:
+    """What a law counts on of gravity, m/s2.
+
+    A loss of less than what `BANK_SHARE` leaves of the bank limit is left to that; beyond it, the capture would meet
+    the limit and overshoot.
+    """
+    return STANDARD_GRAVITY * (turning if turning < BANK_SHARE else 1.0)
+
+
+def law_of_frequency(frequency: float, speed: float, bank_limit: float, turning: float = 1.0) -> LateralNavigation:
     """The route law of a natural frequency (rad/s), with intercepts at 30 degrees of the speed (m/s)."""
-    k1 = frequency**2 / STANDARD_GRAVITY
-    k2 = 2.0 * LAW_DAMPING * frequency / STANDARD_GRAVITY
+    k1 = frequency**2 / pull(turning)
+    k2 = 2.0 * LAW_DAMPING * frequency / pull(turning)
     cross_track_limit = k2 / k1 * (speed * math.sin(INTERCEPT))
     return LateralNavigation(
         k1, k2, bank_limit, cross_track_limit, RATE_MARGIN * (k1 * cross_track_limit + bank_limit) / k2

@@ -166,7 +166,7 @@ def run(
         *prepared.warnings,
         *warnings(flown, found.flight, scenario.sensors, before, found.trackers),
         *unjudged(flown, checks, found.checks),
-        *skipped_looks(found.tracks),
+        *skipped_looks(records),
         *contrast_warnings(contrasts, trackers_found),
         *(assumed_height.remarks(prepared, flown, before) if flown.known else ()),
         *recordings.remarks(flown, scenario.sensors, found.records),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +17,7 @@ from sim.cli.endings import (
     CHECK_FAILED,
     FLIGHTS_CRASHED,
     GOOD,
+    STOPPED,
     UNFORESEEN,
     Interrupted,
     Unwritable,
@@ -471,8 +473,11 @@ def main() -> None:
     """Entry point: faults become sentences on standard error, each kind with an exit code of its own."""
     one_thread()
     prepared_streams()
-    with stopped_by_signals():
-        sys.exit(_ended())
+    with stopped_by_signals() as came:
+        code = _ended()
+        if came and code == STOPPED + signal.SIGINT:  # typer's own code for all that comes while it reads the words
+            code = STOPPED + came[0]
+        sys.exit(code)
 
 
 def _ended() -> Any:

@@ -57,13 +57,15 @@ def told_apart() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def stopped_by_signals() -> Iterator[None]:
-    """Within, batch systems can stop this process as Ctrl-C does: nothing is left behind.
+def stopped_by_signals() -> Iterator[list[int]]:
+    """Within, batch systems can stop this process as Ctrl-C does: nothing is left behind. Gives the signals that came.
 
     A signal that is ignored already, as ``nohup`` has it, stays ignored. A second one does not disturb the cleaning up.
     """
+    came: list[int] = []
 
     def stop(number: int, frame: FrameType | None) -> None:
+        came.append(number)
         for each in STOPPING:
             signal.signal(each, signal.SIG_IGN)
         raise KeyboardInterrupt(number)
@@ -73,7 +75,7 @@ def stopped_by_signals() -> Iterator[None]:
         if handler == signal.SIG_DFL:
             signal.signal(number, stop)
     try:
-        yield
+        yield came
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -19,6 +19,7 @@ from sim.observation.sensor import unplaced
 from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
 from sim.scenario.plugins import is_outside, said
+from sim.scenario.schema import name_faults
 from tracking.contract import missing_members
 from tracking.height_profile import ChartedHeight, HeightProfile, MeasuredHeight
 from tracking.measurement import DebiasedPolar, LinearMeasurement, MeasurementModel, Stacked
@@ -182,6 +183,8 @@ def check(prepared: Prepared, own: dict[str, Any] | None = None) -> None:
         for sentence in unplaced(sensor):
             raise ScenarioError(f"[sensors.{name}] {sentence}")
     for name, tracker in (own or {}).items():
+        for sentence in name_faults("trackers", name):
+            raise ScenarioError(f"tracker '{name}': {sentence}")
         adopt(prepared, tracker, listened(prepared, name, tracker, prepared.scenario.sensors))
     choices = prepared.scenario.trackers
     built = {name: build(prepared, name, choice)[0] for name, choice in choices.items()}

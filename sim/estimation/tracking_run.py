@@ -24,7 +24,7 @@ from sim.metrics import conformance
 from sim.metrics.alarms import monitoring
 from sim.metrics.contrasts.squares import squared_errors
 from sim.metrics.error_curves import ErrorCurves, curves_without_truth, error_curves
-from sim.metrics.tracker import TrackerErrors, plot_errors, tracker_errors, tracker_metrics
+from sim.metrics.tracker import TrackerErrors, plot_errors, skipped, tracker_errors, tracker_metrics
 from sim.observation.record import SensorRecord, measurements
 from sim.observation.sensor import quantity_of
 from sim.workers.sharing import current
@@ -264,6 +264,7 @@ def _watched(watch: Watch, entry: Entry, made: Track) -> dict[str, Any]:
     return {
         "conformance": conformance.figures(seen, watch.prepared.departure, watch.flight.is_recorded),
         "monitor": monitoring.figures(made, watch.prepared.fault(entry.sensors)),
+        **skipped(made),
     }
 
 

@@ -17,10 +17,9 @@ from aircraft.point_mass import PointMass
 from aircraft.properties import FOOT
 from aircraft.runway import Runway as Place
 from aircraft.slowest import complete
-from aircraft.state import STANDARD_GRAVITY
 from autopilot.approach import PHASES, Approach
 from autopilot.departure import Departing
-from autopilot.design import Designed, law_of_frequency
+from autopilot.design import Designed, law_of_frequency, pull
 from autopilot.estimate_lag import softened
 from autopilot.landing import REFERENCE_MARGIN, Landing
 from autopilot.mode import DesignCase, Mode
@@ -462,10 +461,11 @@ def _case(scenario: Scenario, gains: Designed, route: Route) -> DesignCase:
     """What a law is designed for: the route law of the design, or that of the frequency which the file sets."""
     pilot, (_, speed) = scenario.autopilot, _extremes(scenario)
     bank_limit, share = pilot.bank_limit, pilot.frequency_share
-    base = gains.law if share is None else law_of_frequency(share * gains.bank_bandwidth, speed, bank_limit)
+    frequency = None if share is None else share * gains.bank_bandwidth
+    base = gains.law if frequency is None else law_of_frequency(frequency, speed, bank_limit, gains.turning)
     k1 = scenario.law.get("k1", base.k1)
     k2 = scenario.law.get(
-        "k2", base.k2 if pilot.damping is None else 2.0 * pilot.damping * math.sqrt(k1 / STANDARD_GRAVITY)
+        "k2", base.k2 if pilot.damping is None else 2.0 * pilot.damping * math.sqrt(k1 / pull(gains.turning))
     )
     limit = base.cross_track_limit if pilot.intercept_speed is None else pilot.intercept_speed * k2 / k1
     return DesignCase(bank_limit, gains.bank_bandwidth, speed, k1, k2, limit)

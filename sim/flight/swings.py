@@ -43,7 +43,7 @@ def _limits(bank_limit: float, roll_rate_limit: float) -> str:
 
 def slowness(loop: RouteLoop, designed: Designed, speed: float, roll_rate_limit: float) -> str:
     """Why a designed law is as slow as it is; "" where its limits did not slow it."""
-    fastest = lateral_law(designed.bank_bandwidth, speed, designed.bank_limit).frequency
+    fastest = lateral_law(designed.bank_bandwidth, speed, designed.bank_limit, designed.turning).frequency
     if designed.law.frequency > (1.0 - 1e-9) * fastest:
         return ""
     border = first_that_swings(designed, loop, speed, roll_rate_limit)

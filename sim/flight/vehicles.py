@@ -204,6 +204,7 @@ def designed(
     loops = [route_loop(point, gains, surfaces, airframe.rate) for point in points]
     turns = loops[:2]  # they are flown in the first configuration
     gains = gains._replace(turning=sum(map(turning, turns)) / len(turns))
+    gains = gains.with_law(lateral_law(gains.bank_bandwidth, speed, bank_limit, gains.turning))
     return steadied(gains, loops, speed, roll_rate_limit)
 
 

@@ -46,8 +46,10 @@ def unknown_names(tables: dict[str, Any]) -> list[str]:
 
     ``tables`` are those of the file as it was read: any other fault of theirs is reported by the reader.
     """
-    entries, metrics = tables.get("checks"), (*signals.names(), *table.names())
-    faults = []
+    entries = tables.get("checks")
+    if not entries:
+        return []
+    metrics, faults = (*signals.names(), *table.names()), []
     for i, entry in enumerate(entries if isinstance(entries, list | tuple) else ()):
         if isinstance(entry, dict):
             faults += [f"[[checks]] entry {i} {fault}" for fault in _unknown(entry, metrics)]

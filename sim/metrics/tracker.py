@@ -64,6 +64,15 @@ def tracker_metrics(flight: Flight, track: Track, errors: TrackerErrors) -> dict
     return figures
 
 
+def skipped(track: Track) -> dict[str, Any]:
+    """How many looks a tracker could not use, of how many, and since when; empty where it could use all."""
+    unusable = np.zeros(len(track.time), bool) if track.skipped is None else track.skipped.any(axis=1)
+    if not unusable.any():
+        return {}
+    first = float(track.time[unusable][0])
+    return {"skipped": {"looks": int(unusable.sum()), "of_looks": len(unusable), "first_s": first}}
+
+
 def where_measured(errors: TrackerErrors) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
     """Channel, squared errors of estimates and of measurements (k, draws), and the epochs (k,) that count.
 

@@ -40,7 +40,7 @@ CONTRACTS = {  # family -> the module with its MEMBERS, its DEFAULTS, and what t
 def kinds(family: str) -> list[str]:
     """Names of all kinds of a family, without importing any of them."""
     package, _ = FOLDERS[family]
-    places = tuple(importlib.import_module(package).__path__)
+    places = tuple((sys.modules.get(package) or importlib.import_module(package)).__path__)
     return list(_kinds_in(places, tuple(os.stat(place).st_mtime_ns for place in places)))
 
 

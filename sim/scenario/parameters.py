@@ -144,9 +144,14 @@ def model_of(
         fields["kind"] = (typing.Literal[kind], kind if defaulted_kind else ...)
 
     spelt = [parameter for parameter in wanted if len(parameter.keys) > 1]
+    owners = {key: parameter.name for parameter in spelt for key in parameter.keys}
+    needed = {parameter.name for parameter in spelt if parameter.required and not partial}
 
     def one_spelling(table: Any) -> Any:
         if isinstance(table, dict):
+            told = [owners[key] for key in table if key in owners]
+            if needed.issubset(told) and len(set(told)) == len(told):  # nearly always
+                return table
             for parameter in spelt:
                 used = [key for key in parameter.keys if key in table]
                 if len(used) > 1 and len({key in parameter.indicated_keys for key in used}) > 1:
@@ -196,11 +201,13 @@ def given_values(cls: type, table: dict[str, Any], true_share: TrueShare | None 
     """What a validated table sets of the fields of a class, by field, in SI."""
     keys = _keys(cls)
     inherited = true_share and _at_the_height_of(cls, table, true_share)
-    found = {
-        keys[key][0].attribute: _to_si(keys[key][0].kind, value, keys[key][1], inherited)
-        for key, value in table.items()
-        if value is not None and key in keys
-    }
+    found = {}
+    for key, value in table.items():
+        if value is not None and key in keys:
+            one, factor = keys[key]
+            found[one.attribute] = (
+                value * factor if type(value) is float else _to_si(one.kind, value, factor, inherited)
+            )
     indicated = [one for one in _airspeeds(cls) if any(table.get(key) is not None for key in one.indicated_keys)]
     if indicated:
         assert true_share is not None, f"{cls.__name__} has indicated airspeeds, but no air"
@@ -224,6 +231,12 @@ def _at_the_height_of(cls: type, table: dict[str, Any], true_share: TrueShare) -
 def _keys(cls: type) -> dict[str, tuple[Parameter, float]]:
     """Every key of a class, with what it sets and its factor to SI."""
     return {key: (one, factor) for one in parameters(cls) for key, factor in one.keys.items()}
+
+
+def spellings_in(cls: type, table: dict[str, Any]) -> dict[str, str]:
+    """The key by which a validated table sets each field of a class that it sets, by field."""
+    keys = _keys(cls)
+    return {keys[key][0].attribute: key for key in table if key in keys}
 
 
 @cached

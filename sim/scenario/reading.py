@@ -19,7 +19,7 @@ from sim.scenario import catalogue as bundled
 from sim.scenario.arrivals.navigation import NavigationErrors
 from sim.scenario.messages import faults_of, quantity, report_faults
 from sim.scenario.model import Route, Scenario, TrackerChoice
-from sim.scenario.parameters import TrueShare, construct, dump, given_values, parameters
+from sim.scenario.parameters import TrueShare, construct, dump, given_values, parameters, spellings_in
 from sim.scenario.plugins import Catalogue, catalogue_with, is_outside, said
 from sim.scenario.recording.completion import beside_file, completed_record, runway_file, strangers
 from sim.scenario.recording.plots_alone import faults_of_plots, located, recorded
@@ -407,7 +407,10 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
 
 def _completed(instance: Any, given: dict[str, Any]) -> dict[str, Any]:
     table: dict[str, Any] = {}
+    spelt = spellings_in(type(instance), given)
     for parameter in parameters(type(instance)):
-        key = next((key for key in parameter.keys if key in given), None)
-        table |= dump(instance, parameter) if key is None else {key: given[key]}
+        if (key := spelt.get(parameter.attribute)) is not None:
+            table[key] = given[key]
+        else:
+            table |= dump(instance, parameter)
     return table

@@ -199,6 +199,16 @@ def _model(catalogue: Catalogue, family: str, kind: Any, place: str, faults: lis
     return Any
 
 
+def name_faults(family: str, name: Any) -> list[str]:
+    """What is wrong with a user's name of a sensor, a tracker or an event."""
+    faults = []
+    if not isinstance(name, str) or not NAME.fullmatch(name):
+        faults.append("a name starts with a letter and has letters, digits, _ and -")
+    if name in RESERVED.get(family, ()):
+        faults.append(f"{RESERVED[family][name]}; choose another name")
+    return faults
+
+
 def _members(family: str, place: str, named: Any, faults: list[str], catalogue: Catalogue) -> Any:
     """The model of a table whose members are named by the user and have kinds."""
     members: dict[str, Any] = {}
@@ -206,10 +216,7 @@ def _members(family: str, place: str, named: Any, faults: list[str], catalogue: 
         faults.append(f"{place}: {len(named)} are more than the {MOST_NAMES} that one scenario can have")
         return Any
     for name, table in named.items() if isinstance(named, dict) else ():
-        if not NAME.fullmatch(name):
-            faults.append(f"[{place}.{name}]: a name starts with a letter and has letters, digits, _ and -")
-        if name in RESERVED.get(family, ()):
-            faults.append(f"[{place}.{name}]: {RESERVED[family][name]}; choose another name")
+        faults += [f"[{place}.{name}]: {fault}" for fault in name_faults(family, name)]
         if not isinstance(table, dict):
             faults.append(f"[{place}] {name}: must be a table with a 'kind'")
             members[name] = Any

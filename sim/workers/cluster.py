@@ -10,6 +10,7 @@ import contextlib
 import functools
 import ipaddress
 import logging
+import math
 import platform
 import socket
 import threading
@@ -23,13 +24,22 @@ from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 from sim.errors import OutputError
-from sim.workers.executors import CLOCK_FACTOR, FLIGHT_TIME_LIMIT, Job, Lost
+from sim.workers.executors import CLOCK_FACTOR, FLIGHT_TIME_LIMIT, Job, Lost, late
 from sim.workers.partners import within
 
 ANSWER = 5.0  # s; a scheduler that listens answers at once
 PATIENCE = 60.0  # s without any worker, or any answer; who was killed is back by then, where somebody restarts it
 TLS_KEYS = ("ca-file", "client.cert", "client.key")  # of distributed.comm.tls in Dask's configuration
 FLYING = threading.Lock()  # of a worker process: flights share it with no other flight
+_begun = [math.inf]  # s, processor time at which the flight of a worker process began; a process is state
+
+
+class Running(NamedTuple):
+    """A job on a worker; times are of this clock, s."""
+
+    job: Job
+    since: float
+    look: float  # when it can have used up its processor time, or its time on the clock, at the earliest
 
 
 class Refused(NamedTuple):
@@ -47,9 +57,9 @@ class ClusterExecutor:
 
     client: Any
     address: str
-    time_limit: float = CLOCK_FACTOR * FLIGHT_TIME_LIMIT  # s on the clock: the workers belong to others
+    time_limit: float = FLIGHT_TIME_LIMIT
     _waiting: deque[Job] = field(default_factory=deque, repr=False)
-    _running: dict[Any, tuple[Job, float]] = field(default_factory=dict, repr=False)
+    _running: dict[Any, Running] = field(default_factory=dict, repr=False)
 
     def submit(self, number: int, function: Callable[..., Any], *arguments: Any) -> None:
         """Take a job; returns at once."""
@@ -67,7 +77,7 @@ class ClusterExecutor:
             while self._waiting and len(self._running) < threads:
                 self._start(self._waiting.popleft())
             for future in self._ended():
-                job, _ = self._running.pop(future)
+                job = self._running.pop(future).job
                 absent = None
                 yield job.number, self._result(future)
             yield from self._overdue()
@@ -84,7 +94,8 @@ class ClusterExecutor:
     def _start(self, job: Job) -> None:
         with self._lost_scheduler():
             future = self.client.submit(_run, numerics(), job.function, *job.arguments, pure=False)
-        self._running[future] = job, time.monotonic()
+        now = time.monotonic()
+        self._running[future] = Running(job, now, now + self.time_limit)
 
     def _ended(self) -> list[Any]:
         """Futures that are done; waits a second at most."""
@@ -117,16 +128,31 @@ class ClusterExecutor:
         return result if error is None else Lost(f"{type(error).__name__}: {error}")
 
     def _overdue(self) -> Iterator[tuple[int, Any]]:
-        """Gives up jobs that hang, with the workers that have them."""
-        now = time.monotonic()
-        for future in [one for one, (_, since) in self._running.items() if now - since > self.time_limit]:
-            job, _ = self._running.pop(future)
+        """Gives up jobs that compute or wait for too long, with the workers that have them."""
+        now, clock = time.monotonic(), CLOCK_FACTOR * self.time_limit
+        for future, (job, since, _) in [item for item in self._running.items() if now >= item[1].look]:
             with self._lost_scheduler():
                 processing = within(PATIENCE, self.client.processing)
-                stuck = [worker for worker, keys in processing.items() if future.key in keys]
+            holders = [worker for worker, keys in processing.items() if future.key in keys]
+            used = self._computed(holders) if holders else 0.0
+            if used < self.time_limit and now - since < clock:
+                later = min(now + self.time_limit - used, since + clock)
+                self._running[future] = Running(job, since, later)
+                continue
+            del self._running[future]
+            with self._lost_scheduler():
                 within(PATIENCE, self.client.cancel, [future], force=True)
-                within(PATIENCE, self.client.restart_workers, stuck, timeout=PATIENCE, raise_for_error=False)
-            yield job.number, Lost(f"no answer for {self.time_limit:g} s")
+                within(PATIENCE, self.client.restart_workers, holders, timeout=PATIENCE, raise_for_error=False)
+            waited = f"no answer for {clock:g} s, most of which it did not compute"
+            yield job.number, Lost(late(self.time_limit) if used >= self.time_limit else waited)
+
+    def _computed(self, workers: list[Any]) -> float:
+        """Processor time that workers have used for their flights, the most of them, s; 0 where none says so."""
+        try:
+            told: dict[Any, float] = within(ANSWER, self.client.run, computed, workers=workers, on_error="ignore")
+        except (OSError, TimeoutError):  # it computes without a breath, or has gone: others tell
+            return 0.0
+        return max([0.0, *told.values()])
 
     @contextmanager
     def _lost_scheduler(self) -> Iterator[None]:
@@ -155,7 +181,16 @@ def _run(expected: dict[str, str], function: Callable[..., Any], *arguments: Any
     if found != expected:
         return Refused(_difference(f"the worker on {socket.gethostname()}", found, expected))
     with FLYING:
-        return function(*arguments)
+        _begun[0] = time.process_time()
+        try:
+            return function(*arguments)
+        finally:
+            _begun[0] = math.inf
+
+
+def computed() -> float:
+    """On a worker: the processor time that its flight has used, s."""
+    return time.process_time() - _begun[0]
 
 
 def _difference(worker: str, found: dict[str, str], expected: dict[str, str]) -> str:

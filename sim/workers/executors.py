@@ -20,6 +20,7 @@ from typing import Any, NamedTuple, Protocol
 
 from sim.errors import OutputError
 from sim.workers.blas import THREADS
+from sim.workers.last_words import LastWords, ending
 from sim.workers.partners import LOOK, Watch
 
 ATTEMPTS = 3  # a flight whose worker aborts as often is at fault itself
@@ -34,6 +35,11 @@ class Lost(NamedTuple):
     """A job without a result."""
 
     reason: str
+
+
+def late(time_limit: float) -> str:
+    """Why a job is given up that computes for too long."""
+    return f"no answer within {time_limit:g} s of processor time"
 
 
 class Executor(Protocol):
@@ -71,9 +77,15 @@ def refuse_small_limit() -> None:
         )
 
 
-def prepare_worker(memory_limit: int | None) -> None:
-    """What every worker does first: leave Ctrl-C to the parent, and limit memory where a limit is given."""
+def prepare_worker(memory_limit: int | None, errors: Any = None) -> None:
+    """What every worker does first: leave Ctrl-C to the parent, and limit memory where a limit is given.
+
+    With ``errors``, the writing end of a pipe, what is written to standard error goes there.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if errors is not None:
+        with contextlib.suppress(OSError):  # on systems whose pipes are no files
+            os.dup2(errors.fileno(), 2)
     if memory_limit is None:
         return
     try:
@@ -110,6 +122,24 @@ class Job(NamedTuple):
     kills: int = 0
 
 
+class Worker(NamedTuple):
+    """A process that holds one job at a time, and what it writes to standard error."""
+
+    pool: Any
+    said: LastWords
+    pipe: tuple[Any, Any]  # of what it says: the end that is read, and the worker's
+
+    def stop(self) -> str:
+        """End it now; returns its last words."""
+        self.pool.stop()
+        self.pool.join()
+        heard, told = self.pipe
+        told.close()
+        self.said.end()
+        heard.close()
+        return self.said.read()
+
+
 @dataclass(frozen=True)
 class LocalExecutor:
     """Spawned processes with one BLAS thread each.
@@ -122,7 +152,7 @@ class LocalExecutor:
     time_limit: float = FLIGHT_TIME_LIMIT
     memory_limit: int = MEMORY_LIMIT
     _waiting: deque[Job] = field(default_factory=deque, repr=False)
-    _running: dict[Future[Any], tuple[Any, Job]] = field(default_factory=dict, repr=False)
+    _running: dict[Future[Any], tuple[Worker, Job]] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         if self.workers < 1:
@@ -136,52 +166,54 @@ class LocalExecutor:
         """Results as they end."""
         stopped = Watch()
         while self._waiting and len(self._running) < self.workers:
-            self._start(self._pool())
+            self._start(self._worker())
         while self._running:
             done, pending = wait(self._running, timeout=LOOK, return_when=FIRST_COMPLETED)
             if not done:
                 stopped.look(child.pid for child in multiprocessing.active_children() if child.pid is not None)
-            for future in done | {future for future in pending if not self._running[future][0].active}:
-                pool, job = self._running.pop(future)
-                ended, alive = self._ending(job, future)
-                if not alive:
-                    _stop(pool)
-                    pool = self._pool() if self._waiting else None
-                if pool is not None:
-                    self._start(pool)
+            for future in done | {future for future in pending if not self._running[future][0].pool.active}:
+                worker, job = self._running.pop(future)
+                ended, alive = self._ending(job, future, worker)
+                if alive:
+                    self._start(worker)
+                else:
+                    worker.stop()
+                    if self._waiting:
+                        self._start(self._worker())
                 if ended is not None:
                     yield job.number, ended
 
     def close(self) -> None:
         """End all workers now."""
         self._waiting.clear()
-        for pool, _ in self._running.values():
-            _stop(pool)
+        for worker, _ in self._running.values():
+            worker.stop()
         self._running.clear()
 
-    def _pool(self) -> Any:
+    def _worker(self) -> Worker:
         from pebble import ProcessPool
 
+        heard, told = multiprocessing.Pipe(duplex=False)
         with _one_thread():
             pool = ProcessPool(
                 max_workers=1,
                 initializer=prepare_worker,
-                initargs=(self.memory_limit,),
+                initargs=(self.memory_limit, told),
                 context=multiprocessing.get_context("spawn"),
             )
             pool.active  # noqa: B018 (starts the process while the environment says one thread)
-        return pool
+        return Worker(pool, LastWords(heard), (heard, told))
 
-    def _start(self, pool: Any) -> None:
+    def _start(self, worker: Worker) -> None:
         if not self._waiting:
-            _stop(pool)
+            worker.stop()
             return
         job = self._waiting.popleft()
         call = self.time_limit, job.function, job.arguments
-        future = pool.schedule(limited, args=call, timeout=CLOCK_FACTOR * self.time_limit)
-        self._running[future] = (pool, job)
+        future = worker.pool.schedule(limited, args=call, timeout=CLOCK_FACTOR * self.time_limit)
+        self._running[future] = (worker, job)
 
-    def _ending(self, job: Job, future: Future[Any]) -> tuple[Any, bool]:
+    def _ending(self, job: Job, future: Future[Any], worker: Worker) -> tuple[Any, bool]:
         """The result of a job, None where it is tried again; and whether its worker lives."""
         from concurrent.futures.process import BrokenProcessPool
 
@@ -197,10 +229,12 @@ class LocalExecutor:
             return self._again(job._replace(kills=job.kills + 1)), False
         except ProcessExpired as error:
             if error.exitcode == -signal.SIGXCPU:
-                return Lost(f"no answer within {self.time_limit:g} s of processor time"), False
+                return Lost(late(self.time_limit)), False
             if error.exitcode == -signal.SIGKILL:
                 return self._again(job._replace(kills=job.kills + 1)), False
-            return self._again(job._replace(aborts=job.aborts + 1)), False
+            words = worker.stop()
+            how = f"{ending(error.exitcode)}{': ' if words else ''}{words}"
+            return self._again(job._replace(aborts=job.aborts + 1), how), False
         except OutputError:  # about this machine, not about the flight
             raise
         except MemoryError:
@@ -213,10 +247,10 @@ class LocalExecutor:
         except Exception as error:
             return Lost(f"{type(error).__name__}: {error}"), True
 
-    def _again(self, job: Job) -> Lost | None:
-        """Puts a job back whose worker died, or gives it up."""
+    def _again(self, job: Job, how: str = "") -> Lost | None:
+        """Puts a job back whose worker died, or gives it up, with how it died at last."""
         if job.aborts == ATTEMPTS:
-            return Lost(f"its worker process died {ATTEMPTS} times")
+            return Lost(f"its worker process died {ATTEMPTS} times ({how})")
         if job.kills == KILLS:
             return Lost(f"its worker process was killed {KILLS} times")
         self._waiting.appendleft(job)
@@ -236,8 +270,3 @@ def _one_thread() -> Iterator[None]:
                 os.environ.pop(name)
             else:
                 os.environ[name] = value
-
-
-def _stop(pool: Any) -> None:
-    pool.stop()
-    pool.join()

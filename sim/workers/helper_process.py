@@ -9,8 +9,6 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
-import re
-import signal
 import subprocess
 import sys
 import threading
@@ -18,16 +16,13 @@ import time
 import traceback
 from collections.abc import Callable
 from tempfile import TemporaryDirectory
-from typing import IO, Any
+from typing import Any
 
 from sim.workers.blas import THREADS
 from sim.workers.executors import CLOCK_FACTOR, limited, prepare_worker
+from sim.workers.last_words import LastWords, ending
 from sim.workers.partners import watch
 
-LAST = 4096  # bytes of what was written to standard error
-LONGEST_REASON = 300  # characters of it in a sentence
-ESCAPES = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")  # colours of a terminal
-PRIVATE = re.compile(r"/\S*/shortfinal-[^/\s]*/")  # folders that the user never saw
 MARK = "SHORTFINAL_HELPER"  # set in a helper's environment
 START = "import sys; sys.path[:] = {path!r}; from sim.workers.helper_process import serve; serve({limit!r})"
 
@@ -92,9 +87,9 @@ class HelperProcess:
             is_done, answer, self._before = pickle.load(back)
         except (EOFError, OSError, ValueError, pickle.UnpicklingError):  # ValueError: a pipe that is closed already
             before = _of_children()
-            ending = self.end()
+            how = self.end()
             computed = max(0.0, _of_children() - before - self._before)
-            raise Lost(ending, late.is_set(), computed, self._said.read()) from None
+            raise Lost(how, late.is_set(), computed, self._said.read()) from None
         except BaseException:
             self.end()
             raise
@@ -117,37 +112,7 @@ class HelperProcess:
                     pipe.close()
         if self.folder is not None:
             self.folder.cleanup()
-        with contextlib.suppress(ValueError):
-            return signal.Signals(-code).name
-        return f"exit code {code}"
-
-
-class LastWords:
-    """What is written to a pipe at last; it is emptied all the time, or its writer would have to wait."""
-
-    def __init__(self, pipe: IO[bytes] | None) -> None:
-        self._kept = b""
-        self._thread = threading.Thread(target=self._empty, args=(pipe,), daemon=True)
-        if pipe is not None:
-            self._thread.start()
-
-    def _empty(self, pipe: IO[bytes]) -> None:
-        with contextlib.suppress(OSError, ValueError):
-            while some := os.read(pipe.fileno(), 65536):
-                self._kept = (self._kept + some)[-LAST:]
-
-    def end(self) -> None:
-        """Wait for the end of the pipe, whose writer is gone."""
-        if self._thread.ident is not None:
-            self._thread.join(1.0)
-
-    def read(self) -> str:
-        """On one line, printable, of an exception what it says; empty where nothing was written."""
-        text = ESCAPES.sub("", self._kept.decode(errors="replace"))
-        _, exception, message = text.rpartition("what():")
-        text = " ".join(PRIVATE.sub("", message).split())
-        text = "".join(letter for letter in text if letter.isprintable())
-        return text[:LONGEST_REASON] if exception else text[-LONGEST_REASON:]
+        return ending(code)
 
 
 def _of_children() -> float:

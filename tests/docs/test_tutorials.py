@@ -17,6 +17,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 RENEW = "run `make tutorials` and look at what changed"
 SVG = "{http://www.w3.org/2000/svg}"
+SAMPLE = "vasylyev2003"  # is run by every `make test`, the others by `make soak`
 HALF_A_POINT = 0.5  # pt: less than the width of a line
 
 
@@ -52,7 +53,10 @@ def curves_of(figure: Path) -> list[list[float]]:
     return [[float(number) for number in re.findall(r"-?\d+(?:\.\d+)?", path)] for path in paths]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=() if page.stem == SAMPLE else pytest.mark.soak, id=page.stem) for page in PAGES],
+)
 def test_a_tutorial_does_what_it_shows(page, tmp_path):
     outputs = tutorials.run(page, tmp_path)
     shown = [block.shown for block in tutorials.blocks(page)]
@@ -114,10 +118,12 @@ def test_the_code_is_in_the_style_of_the_project(page, tmp_path):
     ruff = [sys.executable, "-m", "ruff", "--config", str(ROOT / "pyproject.toml")]
     checked = subprocess.run([*ruff, "check", "--ignore", "E402,I001", str(file)], capture_output=True, text=True)
     assert checked.returncode == 0, checked.stdout
-    for block in tutorials.blocks(page):
-        file.write_text(block.code.lstrip(), encoding="utf-8")
-        formatted = subprocess.run([*ruff, "format", "--diff", str(file)], capture_output=True, text=True)
-        assert formatted.returncode == 0, formatted.stdout
+    place = tmp_path / "blocks"
+    place.mkdir()
+    for number, block in enumerate(tutorials.blocks(page)):
+        (place / f"block_{number}.py").write_text(block.code.lstrip(), encoding="utf-8")
+    formatted = subprocess.run([*ruff, "format", "--diff", str(place)], capture_output=True, text=True)
+    assert formatted.returncode == 0, formatted.stdout
 
 
 @pytest.mark.parametrize(

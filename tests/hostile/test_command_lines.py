@@ -6,6 +6,8 @@ import os
 import re
 from pathlib import Path
 
+import pytest
+
 from tests.hostile.command_lines import LINES, VALUES
 from tests.hostile.scenario_base import CAPTURE
 from tests.hostile.scenarios import SCENARIOS
@@ -61,10 +63,11 @@ def complaint(name: str, said: str, answer: Answer) -> str:
     return "" if good else f"{name}: wanted '{said}', got {answer}"
 
 
-def test_a_wrong_command_is_one_sentence_and_exit_two_and_writes_nothing(tmp_path):
+@pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.soak)])
+def test_a_wrong_command_is_one_sentence_and_exit_two_and_writes_nothing(every, tmp_path):
     sandbox = Sandbox(tmp_path)
     furnish(sandbox)
-    wanted = expected(sandbox.place("scenarios"))
+    wanted = dict([*expected(sandbox.place("scenarios")).items()][::every])
     before = sandbox.files()
     answers = sandbox.answers([case for case, _ in wanted.values()])
     assert list(answers) == list(wanted)

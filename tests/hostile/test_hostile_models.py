@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+import pytest
+
 from tests.hostile.models import FLIES, MODELS, ODD_NAME
 from tests.hostile.scenario_base import CAPTURE
 from tests.hostile.watched import Answer, Case, Sandbox
@@ -14,17 +16,16 @@ INJECTION = """'></script><script>alert(1)</script><img src=x onerror=alert(2)> 
 CHECK = f'[[checks]]\nmetric = "bank_deg"\nmax = 0.001\nname = "{INJECTION}"\nsource = "{INJECTION}"\n'
 
 
-def made(sandbox: Sandbox) -> list[Case]:
-    """All models in their folders: each is loaded, trimmed and begun, and one is flown; the acceptance flies all."""
+def made(sandbox: Sandbox, names: list[str]) -> list[Case]:
+    """Models in their folders: each is loaded, trimmed and begun, and one is flown; the acceptance flies all."""
     scenarios, models = sandbox.place("scenarios"), sandbox.place("models")
     (sandbox.place("target") / "precious.txt").write_text(PRECIOUS)
     (scenarios / "short.toml").write_text(CAPTURE)
     (scenarios / "marked.toml").write_text(CAPTURE + CHECK)
-    for name, model in MODELS.items():
-        model.write(models / name, sandbox.place("target"))
+    for name in names:
+        MODELS[name].write(models / name, sandbox.place("target"))
     cases = [
-        Case(name, ("validate", scenarios / "short.toml", "--set", f"aircraft.model={models / name}"))
-        for name in MODELS
+        Case(name, ("validate", scenarios / "short.toml", "--set", f"aircraft.model={models / name}")) for name in names
     ]
     odd = f"aircraft.model={models / ODD_NAME}"
     return [*cases, Case("marked", ("run", scenarios / "marked.toml", "-o", "out/marked", "--set", odd))]
@@ -42,13 +43,20 @@ def complaint(name: str, answer: Answer) -> str:
     return "" if good else f"{name}: wanted '{said}', got {answer}"
 
 
-def test_hostile_models_get_one_sentence_or_fly_without_their_devices_and_reach_nothing(tmp_path):
+@pytest.mark.parametrize(
+    "names",
+    [
+        pytest.param(sorted({*[*MODELS][::5], ODD_NAME}), id="some"),
+        pytest.param([*MODELS], marks=pytest.mark.soak, id="all"),
+    ],
+)
+def test_hostile_models_get_one_sentence_or_fly_without_their_devices_and_reach_nothing(names, tmp_path):
     sandbox = Sandbox(tmp_path)
-    cases = made(sandbox)
+    cases = made(sandbox, names)
     before = sandbox.files()
     answers = sandbox.answers(cases)
     assert list(answers) == [case.name for case in cases]
-    complaints = [complaint(name, answers[name]) for name in MODELS]
+    complaints = [complaint(name, answers[name]) for name in names]
     assert "\n".join(filter(None, complaints)) == ""
     assert sandbox.files() == before
     assert sandbox.offences() == []

@@ -52,7 +52,7 @@ class Inline:
         self.jobs.clear()
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def inline():
     return Inline
 

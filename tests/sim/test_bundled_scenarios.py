@@ -115,6 +115,7 @@ def test_bursts_are_survived_by_who_knows_that_they_last():
     assert rmse["markov_bursts"] < 0.5 * rmse["two_hypotheses_bursts"]  # 0.26 at full size
 
 
+@pytest.mark.soak
 def test_load_factors_help_in_the_turn():
     changes = {
         **POINT_MASS,
@@ -151,6 +152,7 @@ def test_a_talk_down_lands_in_the_box():
     assert abs(figures["height_error_at_decision_height_m"]) <= 7.5
 
 
+@pytest.mark.soak
 def test_a_localiser_and_a_dme_lead_into_the_box_in_a_crosswind():
     low = {"route.height_m": 150.0, "route.downwind_speed_mps": 60.0, "route.turn_speed_mps": 60.0}
     place = {"start.distance_m": 5000.0, "start.cross_track_m": 30.0}  # just before the glide path begins
@@ -160,6 +162,7 @@ def test_a_localiser_and_a_dme_lead_into_the_box_in_a_crosswind():
     assert abs(figures["cross_track_at_decision_height_m"]) <= 30.0
 
 
+@pytest.mark.soak
 def test_a_course_line_that_is_not_aligned_is_flown_beside_the_runway():
     """On straight flight the estimate is off by the bias times the distance to the antenna, and so is the aircraft."""
     changes = {**POINT_MASS, "wind": {}, "until_s": 60.0, "start.distance_m": 9000.0, "start.cross_track_m": 0.0}
@@ -171,6 +174,7 @@ def test_a_course_line_that_is_not_aligned_is_flown_beside_the_runway():
     assert beside[0.5] - beside[0.0] == pytest.approx(to_antenna * math.radians(0.5), rel=0.25)
 
 
+@pytest.mark.soak
 def test_a_glide_path_through_an_elevation_holds_its_height_among_anomalies():
     changes = {"aircraft": {"model": "point_mass"}, "start.distance_m": 4500.0, "until_s": 12.0}
     errors = {"two_hypotheses": [], "kalman": []}

@@ -134,6 +134,7 @@ def test_every_check_is_a_test_and_a_failure_says_what_when_and_why(project):
     assert [path.name for path in (project.folder / "kept").iterdir()] == ["line"]
 
 
+@pytest.mark.soak
 def test_a_file_with_a_study_is_flown_as_the_study(project):
     (project.folder / "line.scenario.toml").unlink()
     (project.folder / "pytest.ini").write_text("[pytest]\nshortfinal_workers = 2\n")
@@ -158,6 +159,7 @@ def test_a_file_with_a_study_is_flown_as_the_study(project):
     assert "shortfinal_workers: must be a whole number from 1 on, not 'many'" in project("air.scenario.toml")[1]
 
 
+@pytest.mark.soak
 def test_two_files_of_one_name_have_two_reports(project):
     for number in (1, 2):
         (project.folder / f"d{number}").mkdir()
@@ -180,6 +182,7 @@ def test_two_files_of_one_name_have_two_reports(project):
     assert (project.folder / "file").read_text() == "years of work"
 
 
+@pytest.mark.soak
 def test_a_broken_file_is_one_collection_error_with_file_and_key(project):
     (project.folder / "line.scenario.toml").write_text(SCENARIO)
     (project.folder / "typo.scenario.toml").write_text(SCENARIO.replace("cross_track_m", "cross_trak_m") + GOOD)
@@ -193,6 +196,7 @@ def test_a_broken_file_is_one_collection_error_with_file_and_key(project):
     assert "2 errors" in told
 
 
+@pytest.mark.soak
 def test_parts_from_outside_come_by_the_ini_file_and_by_the_fixture(project):
     (project.folder / "sub").mkdir()
     (project.folder / "sub/mine.py").write_text(PARTS)
@@ -209,6 +213,7 @@ def test_parts_from_outside_come_by_the_ini_file_and_by_the_fixture(project):
     assert "Traceback" not in told
 
 
+@pytest.mark.soak
 def test_xdist_flies_the_checks_of_a_file_in_one_worker(project):
     pytest.importorskip("xdist")
     code, told = project("-n", "2", "--dist", "loadfile", "-v", "--shortfinal-report=kept")

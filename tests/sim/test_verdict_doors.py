@@ -29,6 +29,7 @@ CONTRASTED = {
 }
 
 
+@pytest.mark.soak
 def test_a_fault_of_any_flight_fails_and_names_it(tmp_path, inline, monkeypatch):
     monkeypatch.setattr("sim.studies.page.page", lambda *given: "")  # drawn elsewhere
     for file in files(1, 3):

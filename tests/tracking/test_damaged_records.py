@@ -10,6 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import sim
+from sim.metrics.ensemble.trackers import over_flights
+from sim.reporting.text.warnings import skipped_looks
 from tests.capture import CAPTURE
 from tests.tracking.test_track import KALMAN, POSITION, PRIOR, record
 from tracking.gaussian import Gaussian
@@ -230,3 +232,32 @@ def test_a_run_says_which_tracker_skipped_how_many_looks_and_since_when():
         f"tracker 'fickle' could not use {count} of {len(found.time)} looks, the first at {first:.1f} s"
     )
     assert count < len(found.time)
+    assert result.metrics["trackers"]["fickle"]["skipped"] == {
+        "looks": count, "of_looks": len(found.time), "first_s": pytest.approx(first)
+    }  # fmt: skip
+
+
+def test_looks_that_other_flights_skipped_are_told_too():
+    figures = [{}, {"looks": 2, "of_looks": 40, "first_s": 9.0}, {"looks": 3, "of_looks": 41, "first_s": 5.0}]
+    records = [
+        {"flight": number, "metrics": {"trackers": {"fickle": {"skipped": one} if one else {}, "steady": {}}}}
+        for number, one in enumerate(figures)
+    ]
+    (said,) = skipped_looks(records)
+    told = "could not use 5 of 81 looks in 2 of 3 flights, the first in flight 1 at 9.0 s: what they measured"
+    assert said.startswith(f"tracker 'fickle' {told}")
+    together = over_flights(records)["fickle"]["skipped"]
+    assert together == {"looks": 5, "of_looks": 81, "first_s": 5.0}
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("truth", "tracker 'truth': 'truth' is the motion itself"),
+        ("my own", "tracker 'my own': a name starts with a letter"),
+    ],
+)
+def test_a_tracker_of_the_caller_has_a_name_of_its_own(name, said):
+    given = {**CAPTURE, "sensors": {"radar": {"kind": "surveillance_radar"}}, "draws": 1, "until_s": 1}
+    with pytest.raises(sim.ScenarioError, match=said):
+        sim.run(given, trackers={name: KALMAN})

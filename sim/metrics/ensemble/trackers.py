@@ -11,7 +11,8 @@ from typing import Any
 
 from tracking.intervals import mean_interval, rmse
 
-FIRST = ("lost_time_s",)  # the earliest of all flights
+FIRST = ("lost_time_s", "first_s")  # the earliest of all flights
+COUNTS = ("looks", "of_looks")  # of all flights together
 ROOTS = ("look_ahead",)  # tables of plain root mean squares
 
 
@@ -19,8 +20,8 @@ def over_flights(records: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """The table ``trackers`` of metrics.json over all flights; its keys are those of one flight.
 
     Errors are root mean squares over flights, with chi-square intervals over flights; ``gain`` is the ratio of two of
-    them. ``anees`` is the mean with Student's interval, ``lost_time_s`` the earliest, any other number the mean of the
-    flights that have it.
+    them. ``anees`` is the mean with Student's interval, ``lost_time_s`` the earliest, looks that were ``skipped`` are
+    counted, any other number is the mean of the flights that have it.
     """
     each = [record["metrics"]["trackers"] for record in records if "trackers" in record["metrics"]]
     return {name: _tracker([one[name] for one in each if name in one]) for name in _keys(each)}
@@ -51,7 +52,9 @@ def _pooled(key: str, values: Sequence[Any], roots: bool = False) -> Any:
         return {inner: _pooled(inner, [table.get(inner) for table in known], within) for inner in _keys(known)}
     if roots:
         return _root(known)
-    return min(known) if key in FIRST else sum(known) / len(known)
+    if key in FIRST:
+        return min(known)
+    return sum(known) if key in COUNTS else sum(known) / len(known)
 
 
 def _channel(figures: Sequence[dict[str, Any]]) -> dict[str, float | None]:

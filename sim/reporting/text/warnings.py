@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -61,14 +61,24 @@ def unjudged(flight: Flight, checks: Iterable[Check], found: Iterable[dict[str, 
     ]
 
 
-def skipped_looks(tracks: dict[str, Any]) -> list[str]:
-    """Sentences about looks that trackers could not use; ``tracks`` as a flight's result has them."""
-    return [
-        f"tracker '{name}' could not use {int(skipped.sum())} of {len(skipped)} looks, the first at "
-        f"{its.track.time[skipped][0]:.1f} s: what they measured is beyond {FARTHEST:g} m, or leaves no estimate"
-        for name, its in tracks.items()
-        if its.track.skipped is not None and (skipped := its.track.skipped.any(axis=1)).any()
-    ]
+def skipped_looks(records: Sequence[dict[str, Any]]) -> list[str]:
+    """Sentences about looks that trackers could not use in any flight; ``records`` as they are kept of flights."""
+    found: dict[str, list[tuple[int, dict[str, Any]]]] = {}
+    for record in records:
+        for name, its in record["metrics"].get("trackers", {}).items():
+            if "skipped" in its:
+                found.setdefault(name, []).append((record["flight"], its["skipped"]))
+    return [_skipped(name, flights, len(records)) for name, flights in found.items()]
+
+
+def _skipped(name: str, flights: Sequence[tuple[int, dict[str, Any]]], flown: int) -> str:
+    looks, of_looks = (sum(skipped[key] for _, skipped in flights) for key in ("looks", "of_looks"))
+    number, first = flights[0]
+    where = f" in {len(flights)} of {flown} flights, the first in flight {number}" if flown > 1 else ", the first"
+    return (
+        f"tracker '{name}' could not use {looks} of {of_looks} looks{where} at {first['first_s']:.1f} s: "
+        f"what they measured is beyond {FARTHEST:g} m, or leaves no estimate"
+    )
 
 
 def contrast_warnings(contrasts: list[dict[str, Any]], trackers: dict[str, dict[str, Any]]) -> list[str]:

@@ -293,6 +293,7 @@ def test_known_counts_are_reproduced():
     assert rows["multiplications_saved"].measured[0].value == pytest.approx(100 * (1 - 8 / 45))
 
 
+@pytest.mark.soak
 def test_the_verdict_on_the_printed_gain_does_not_depend_on_the_seed():
     """25-30 is far from both definitions, 107 and 10.3, whatever is drawn."""
     listed = {claim.name: claim for claim in claims.claims_of("kychak2011")}

@@ -45,6 +45,20 @@ def test_a_batch_system_stops_a_command_as_ctrl_c_does(name, code):
     assert (process.returncode, told) == (code, "stopped\n")
 
 
+@pytest.mark.parametrize(("name", "code"), [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130)])
+def test_a_command_that_is_stopped_while_its_words_are_read_ends_the_same(monkeypatch, name, code):
+    def parse(*given):
+        os.kill(os.getpid(), getattr(signal, name))
+        time.sleep(10)
+
+    monkeypatch.setattr(sys, "argv", ["shortfinal", "list"])
+    monkeypatch.setattr("typer.core.TyperGroup.parse_args", parse)
+    monkeypatch.setattr("typer.core.TyperGroup.make_context", parse)
+    with pytest.raises(SystemExit) as ended:
+        commands.main()
+    assert ended.value.code == code
+
+
 def test_a_signal_that_is_ignored_stays_ignored():
     """As ``nohup`` has it: a terminal that closes does not stop the work."""
     process = started("-c", STOPPABLE, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
@@ -105,8 +119,8 @@ def test_text_is_utf_8_whatever_the_locale(tmp_path):
     home = Path(__file__).parents[3]
     plain = {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0", "PYTHONPATH": str(home)}
     plain["PYTHONIOENCODING"] = "latin-1"
-    for file in ("short.toml", "out/short/scenario.toml"):
-        process = started("-m", "sim", "run", file, cwd=tmp_path, env={**os.environ, **plain})
+    for command in ("run short.toml", "explain out/short/scenario.toml"):
+        process = started("-m", "sim", *command.split(), cwd=tmp_path, env={**os.environ, **plain})
         told, error = process.communicate(timeout=60)
         assert (process.returncode, error) == (0, "")
         assert "\\u043a\\u0440" in told

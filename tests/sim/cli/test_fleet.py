@@ -11,6 +11,7 @@ from aircraft.slowest import complete
 from aircraft.stock import STOCK_TABLE
 from sim.cli import fleet
 from sim.cli.listing import aircraft_lines
+from sim.workers import executors
 from tests.hostile.foreign import FOREIGN
 
 
@@ -23,14 +24,15 @@ def dying(model):
     return {"route_capture": {"outcome": "completed"}}
 
 
-def test_an_aircraft_that_kills_its_process_is_answered_and_the_others_fly():
+def test_an_aircraft_that_kills_its_process_is_answered_and_the_others_fly(monkeypatch):
+    monkeypatch.setattr(executors, "ATTEMPTS", 1)
     found = dict(fleet.answers(dying, ["aborts", "good", "raises"]))
     assert "died" in found["aborts"]["reason"]
     assert "nothing prepared" in found["raises"]["reason"]
     assert found["good"] == {"route_capture": {"outcome": "completed"}}
 
 
-@pytest.mark.parametrize("model", ["T37", "A320"])
+@pytest.mark.parametrize("model", [pytest.param("T37", marks=pytest.mark.soak), "A320"])
 def test_a_stock_aircraft_captures_and_lands_with_nothing_set_by_hand(model):
     told = fleet.flown(model)
     capture, landing = told["route_capture"], told["straight_in"]

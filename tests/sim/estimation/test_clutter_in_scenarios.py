@@ -156,11 +156,13 @@ def test_raw_is_the_targets_own_plot(result):
 
 def test_a_track_does_not_hang_on_which_candidate_is_the_targets(result):
     prepared, record = result.prepared, result.records["radar"]
-    turned = record._replace(candidates=record.candidates[:, ::-1])
-    tracks, _ = track(prepared, result.flight, {"radar": turned, "clean": result.records["clean"]}, {})
+    turned = record._replace(candidates=record.candidates[:, ::-1]).until(30.0)
+    tracks, _ = track(prepared, result.flight, {"radar": turned, "clean": result.records["clean"].until(30.0)}, {})
     for name, one in result.tracks.items():
-        # the sum over hypotheses in another order: rounding, which some 90 updates amplify little
-        np.testing.assert_allclose(tracks[name].track.mean, one.track.mean, rtol=1e-6, atol=1e-6)
+        count = len(tracks[name].track.mean)
+        assert count > 20
+        # the sum over hypotheses in another order: rounding, which some 30 updates amplify little
+        np.testing.assert_allclose(tracks[name].track.mean, one.track.mean[:count], rtol=1e-6, atol=1e-6)
 
 
 # ---- what is refused ---------------------------------------------------------------------------------------------

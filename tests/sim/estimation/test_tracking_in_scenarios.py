@@ -103,9 +103,11 @@ def test_trackers_are_blind_to_everything_but_their_measurements(flown, tracked)
         phase=np.zeros_like(flight.phase),
         command=flight.command._replace(bank=-flight.command.bank),
     )
-    blind, _ = track(prepared, other, records, {})
+    blind, _ = track(prepared, other, {name: record.until(60.0) for name, record in records.items()}, {})
     for name, one in tracked[0].items():
-        np.testing.assert_array_equal(one.track.mean, blind[name].track.mean)
+        blinded = blind[name].track
+        assert blinded.time[-1] > 55.0
+        np.testing.assert_array_equal(one.track.mean[: len(blinded.time)], blinded.mean)
 
 
 def test_a_told_law_changes_the_estimate_and_its_origin_is_named(tracked):
@@ -254,10 +256,14 @@ def test_looking_ahead_is_the_tracker_s_own_prediction(flown, tracked):
     assert tracked[1]["kalman"]["look_ahead"]["20_s"]["position_m"] == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["linear_feedback", "saturated_control", "intent_imm"])
+@pytest.mark.parametrize(
+    "kind",
+    ["intent_imm", *(pytest.param(kind, marks=pytest.mark.soak) for kind in ("linear_feedback", "saturated_control"))],
+)
 def test_twins_track_as_each_of_them_does_alone(flown, kind):
     """The right and a mismatched law, side by side in one tracker and each by itself."""
-    _, flight, records = flown
+    _, flight, whole = flown
+    records = {name: record.until(60.0) for name, record in whole.items()}
     wrong = {"k1_factor": 1.3, "cross_track_limit_factor": 1.3}
     twins = {"right": {"kind": kind, "sensors": RADARS}, "wrong": {"kind": kind, "sensors": RADARS, "law": wrong}}
     together, figures = track(scenario(twins), flight, records, {})
@@ -272,6 +278,15 @@ def test_twins_track_as_each_of_them_does_alone(flown, kind):
                 np.testing.assert_allclose(getattr(one, field), expected, rtol=1e-7, atol=1e-9 * largest)
         for span, by_channel in figures_alone[name]["look_ahead"].items():
             assert figures[name]["look_ahead"][span] == pytest.approx(by_channel, rel=1e-6)
+
+
+@pytest.mark.parametrize("detection", [0.6, 0.1])
+def test_plots_that_single_draws_miss_leave_huber_its_limits(detection):
+    radar = {"approach": {**SENSORS["approach"], "detection": detection}}
+    prepared = scenario({"huber": {"kind": "huber"}}, sensors=radar, aircraft={"model": "point_mass"}, until_s=60)
+    flight = fly(prepared)
+    _, figures = track(prepared, flight, observe(flight, prepared.scenario.sensors, 1, 0, 6), {})
+    assert 0.0 < figures["huber"]["anees_low"] < figures["huber"]["anees"] < figures["huber"]["anees_high"]
 
 
 def test_states_are_narrowed_to_some_draws_whatever_they_hold():

@@ -150,6 +150,7 @@ def test_explain_tells_of_the_cycle():
     assert "every oscillation fades" in explain(read("limit_cycle", {"autopilot.frequency_share": 0.06}))
 
 
+@pytest.mark.soak
 def test_the_page_of_the_gain_map_has_theory_beside_every_flight():
     """Made flights: what is looked at is the page, its lines of theory and its columns."""
     again = run_again("gain_map")

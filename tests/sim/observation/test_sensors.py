@@ -109,7 +109,7 @@ def test_steps_of_the_record_and_of_every_third_record_see_the_same_noise(kind, 
     sensor = build(kind, variant)
     noises = []
     for stride in (1, 3):
-        rows = [AircraftState(*row) for row in np.column_stack(glide.state)[::stride].tolist()]
+        rows = [AircraftState(*row) for row in np.column_stack(glide.state)[:1801:stride].tolist()]
         state, seen = sensor.begin(0.0, Streams(5, 0, 2, "x")), []
         for before, after in pairwise(rows):
             state, looks = sensor.step(state, before, after)

@@ -277,6 +277,7 @@ def test_any_flight_gives_a_whole_report(make_flight, tmp_path, case):
         assert not re.search(r"nan|\binf\b", re.sub(r'aria-label="[^"]*"', "", image))
 
 
+@pytest.mark.soak
 def test_half_an_hour_of_noise_stays_below_the_limit(make_flight, tmp_path):
     random = np.random.default_rng(1)
     time = np.arange(0, 1800, 1 / 30)

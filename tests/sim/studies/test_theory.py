@@ -35,26 +35,13 @@ def test_the_orbit_border_is_the_balance_of_bank_far_out():
     assert border("orbit", near, np.array([0.0, 12.0])) == pytest.approx([np.inf, 685.2], abs=0.1)
 
 
-def test_flights_on_both_sides_of_the_border_end_as_theory_says(tmp_path):
+def test_flights_on_both_sides_of_the_border_end_as_theory_says(tmp_path, inline, monkeypatch):
     """15 % off the border, which leaves a bank of 15 % of 8 degrees: enough to see within the flight."""
-
-    class Inline:
-        jobs = ()
-
-        def submit(self, number, function, *arguments):
-            self.jobs = (*self.jobs, (number, function, arguments))
-
-        def finished(self):
-            for number, function, arguments in self.jobs:
-                yield number, function(*arguments)
-
-        def close(self):
-            pass
-
+    monkeypatch.setattr("sim.studies.page.page", lambda *given: "")  # drawn elsewhere
     line = border("orbit", read("orbit_map", POINT_MASS), np.array([0.0, 20.0]))
     limits = [float(round(factor * value)) for value in line for factor in (0.85, 1.15)]
     axes = {"axes": {WIND: [0.0, 20.0], LIMIT: limits}, "theory": "orbit"}
-    metrics = study.study("orbit_map", tmp_path, Inline(), {**POINT_MASS, "study": axes, "until_s": 330.0})
+    metrics = study.study("orbit_map", tmp_path, inline(), {**POINT_MASS, "study": axes, "until_s": 330.0})
     ended = {(row[WIND], row[LIMIT]): set(row["outcomes"]) for row in metrics["rows"]}
     for wind, value in zip((0.0, 20.0), line, strict=True):
         for limit in limits:

@@ -117,7 +117,8 @@ def assert_same(folder, whole):
         assert (folder / name).read_bytes() == (whole / name).read_bytes(), name
 
 
-def test_a_cluster_writes_the_bytes_of_one_process_whatever_is_killed(tmp_path, inline):
+@pytest.mark.parametrize("killed", ["worker", pytest.param("scheduler", marks=pytest.mark.soak)])
+def test_a_cluster_writes_the_bytes_of_one_process_whatever_is_killed(killed, tmp_path, inline):
     """A killed worker costs time only; a killed scheduler is one sentence, and the study is resumed without it."""
     file = tmp_path / "cluster.toml"
     file.write_text(TABLES)
@@ -126,26 +127,23 @@ def test_a_cluster_writes_the_bytes_of_one_process_whatever_is_killed(tmp_path, 
         studies.study(file, tmp_path / "whole", inline())
         wait_for_workers(cluster.address, 2)
 
-        def fly_until(folder, process):
-            study = start("-m", "sim", "study", file, "-o", folder, "--cluster", cluster.address, **told_in(tmp_path))
-            end = time.monotonic() + 60
-            while flown(folder) < 2:
-                assert study.poll() is None, study.stdout.read()
-                assert time.monotonic() < end
-                time.sleep(0.005)
-            process.kill()
-            return finish(study)
-
-        code, told = fly_until(tmp_path / "one", cluster.workers[0])
+        folder = tmp_path / "there"
+        study = start("-m", "sim", "study", file, "-o", folder, "--cluster", cluster.address, **told_in(tmp_path))
+        end = time.monotonic() + 60
+        while flown(folder) < 2:
+            assert study.poll() is None, study.stdout.read()
+            assert time.monotonic() < end
+            time.sleep(0.005)
+        (cluster.workers[0] if killed == "worker" else cluster.scheduler).kill()
+        code, told = finish(study)
+    if killed == "worker":
         assert code == 0, told
         assert f"{FLIGHTS} flights in 2 cells" in told
-        assert_same(tmp_path / "one", tmp_path / "whole")
-
-        code, told = fly_until(tmp_path / "two", cluster.scheduler)
+    else:
         assert (code, told) == (2, f"shortfinal: cluster {cluster.address}: has gone; finished flights are kept\n")
-        assert flown(tmp_path / "two") < FLIGHTS
-    studies.resume(tmp_path / "two", inline())
-    assert_same(tmp_path / "two", tmp_path / "whole")
+        assert flown(folder) < FLIGHTS
+        studies.resume(folder, inline())
+    assert_same(folder, tmp_path / "whole")
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,8 @@ import pytest
 from sim.scenario.reading import read
 from sim.studies import study as studies
 from sim.studies.job import Job
-from sim.workers.executors import ATTEMPTS, LocalExecutor, Lost
+from sim.workers import executors
+from sim.workers.executors import LocalExecutor, Lost
 from tests.capture import capture
 
 AIR = """
@@ -37,27 +38,41 @@ def ended(executor):
         executor.close()
 
 
-def test_a_lost_job_costs_nothing_but_itself():
+def complain_and_abort():
+    os.write(2, b"much more " * 100_000)  # more than a pipe holds
+    os.write(2, b"terminate called after throwing an instance of 'X'\n  what():  the \x1b[31mwing\n is \x07off")
+    os.abort()
+
+
+def test_a_lost_job_costs_nothing_but_itself(monkeypatch):
+    monkeypatch.setattr(executors, "CLOCK_FACTOR", 1000.0)  # nothing waits here, however busy the machine
+    monkeypatch.setattr(executors, "ATTEMPTS", 2)
     executor = LocalExecutor(workers=2, time_limit=0.4, memory_limit=2 << 30)
     jobs = {
         0: (operator.add, 1, 2),
         1: (os.abort,),
-        2: (time.sleep, 1000),
         3: (bytearray, 8 << 30),
         4: (math.sqrt, -1.0),
         5: (operator.add, 3, 4),
         6: (sum, range(10**12)),
+        7: (complain_and_abort,),
     }
     for number, (function, *arguments) in jobs.items():
         executor.submit(number, function, *arguments)
     found = ended(executor)
     assert (found[0], found[5]) == (3, 7)
-    assert found[1] == Lost(f"its worker process died {ATTEMPTS} times")
-    assert found[2] == Lost("no answer for 4 s, most of which it did not compute")
+    assert found[1] == Lost("its worker process died 2 times (SIGABRT)")
+    assert found[7] == Lost("its worker process died 2 times (SIGABRT: the wing is off)")
     assert found[3] == Lost("out of memory (2048 MB for each worker)")
     assert found[6] == Lost("no answer within 0.4 s of processor time")
     assert isinstance(found[4], Lost)
     assert "ValueError" in found[4].reason
+
+
+def test_a_job_that_waits_is_not_said_to_compute():
+    executor = LocalExecutor(time_limit=0.1)
+    executor.submit(0, time.sleep, 1000)
+    assert ended(executor) == {0: Lost("no answer for 1 s, most of which it did not compute")}
 
 
 def test_workers_have_one_thread_and_leave_the_environment_alone(monkeypatch):
@@ -72,19 +87,30 @@ def test_workers_have_one_thread_and_leave_the_environment_alone(monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """An uninterrupted study with one worker: the bytes that every other way must reach."""
+def whole(tmp_path_factory, inline):
+    """An uninterrupted study in this process: the bytes that every other way must reach."""
     folder = tmp_path_factory.mktemp("whole")
     (folder / "killed.toml").write_text(TABLES)
-    with study(folder / "killed.toml", folder / "o", 1) as process:
-        finish(process)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sim.studies.page.page", lambda *given: "")
+        studies.study(folder / "killed.toml", folder / "o", inline())
     return folder
+
+
+WITHOUT_PAGE = """
+import sys
+from sim.cli.commands import main
+from sim.studies import page
+page.page = lambda *given: ""  # drawn elsewhere
+sys.argv[0] = "shortfinal"
+main()
+"""
 
 
 def start(*arguments):
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "NO_COLOR": "1"}
     root = Path(__file__).resolve().parents[3]
-    command = [sys.executable, "-m", "sim", *map(str, arguments)]
+    command = [sys.executable, "-c", WITHOUT_PAGE, *map(str, arguments)]
     return subprocess.Popen(
         command,
         cwd=root,
@@ -149,7 +175,10 @@ def test_a_killed_worker_costs_time_only(whole, tmp_path):
     assert_same(tmp_path / "o", whole)
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)])
+@pytest.mark.parametrize(
+    ("number", "code"),
+    [pytest.param(signal.SIGKILL, -signal.SIGKILL, marks=pytest.mark.soak), (signal.SIGINT, 130)],
+)
 def test_a_killed_parent_is_resumed_to_the_same_bytes(whole, tmp_path, number, code):
     with study(whole / "killed.toml", tmp_path / "o", 1) as process:
         wait_for(lambda: flown(tmp_path / "o") >= 3, process)

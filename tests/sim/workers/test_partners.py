@@ -98,6 +98,56 @@ def test_a_cluster_address_that_says_nothing(monkeypatch):
         assert time.monotonic() - began < 20
 
 
+class Future:
+    key = "flight-1"
+
+
+class Computing:
+    """A scheduler with one worker, whose flight has used so many seconds of processor time."""
+
+    def __init__(self, used):
+        self.used, self.restarted, self.asked = used, [], 0
+
+    def processing(self):
+        return {"idle": (), "busy": ("flight-1",)}
+
+    def run(self, function, workers, on_error):
+        self.asked += 1
+        assert (function, workers) == (cluster.computed, ["busy"])
+        return {"busy": self.used}
+
+    def cancel(self, futures, force):
+        pass
+
+    def restart_workers(self, workers, timeout, raise_for_error):
+        self.restarted += workers
+
+
+@pytest.mark.parametrize(
+    ("used", "since", "said"),
+    [
+        (9.0, 20.0, None),
+        (10.0, 20.0, "no answer within 10 s of processor time"),
+        (3.0, 101.0, "no answer for 100 s, most of which it did not compute"),
+    ],
+)
+def test_a_flight_on_a_cluster_has_the_limits_of_one_here(used, since, said):
+    client, flight, now = Computing(used), Future(), time.monotonic()
+    executor = cluster.ClusterExecutor(client, "there:1", time_limit=10.0)
+    executor._running[flight] = cluster.Running(executors.Job(7, abs, (1,)), now - since, now - 0.1)
+    assert list(executor._overdue()) == ([] if said is None else [(7, Lost(said))])
+    assert client.restarted == ([] if said is None else ["busy"])
+    if said is None:  # it is asked again when it can have used up its time
+        assert executor._running[flight].look == pytest.approx(now + 1.0, abs=0.5)
+        assert list(executor._overdue()) == []
+        assert client.asked == 1
+
+
+def test_a_worker_of_a_cluster_counts_the_processor_time_of_its_flight():
+    assert cluster._run(cluster.numerics(), cluster.computed) == pytest.approx(0.0, abs=0.1)
+    assert cluster.computed() < 0.0  # nothing flies
+
+
 class Silent:
     """A scheduler that was stopped after the client had connected."""
 
@@ -168,12 +218,12 @@ class OutOfMemory:
 
 
 def test_a_flight_is_not_blamed_for_the_limit_of_the_machine(limit):
-    job = executors.Job(0, abs, (1,))
+    given = executors.Job(0, abs, (1,)), OutOfMemory(), None
     limit(resource.RLIM_INFINITY)
-    assert LocalExecutor()._ending(job, OutOfMemory()) == (Lost("out of memory (4096 MB for each worker)"), True)
+    assert LocalExecutor()._ending(*given) == (Lost("out of memory (4096 MB for each worker)"), True)
     limit(3 << 30)
     with pytest.raises(OutputError, match=r"needs more than the 3072 MB of memory .* \(ulimit -v\)"):
-        LocalExecutor()._ending(job, OutOfMemory())
+        LocalExecutor()._ending(*given)
 
 
 def test_a_foreign_model_hears_whose_limit_it_was(limit, monkeypatch):
