@@ -9,23 +9,13 @@ Both give flights as a recording gives them: place and motion once a second, wha
 
 from __future__ import annotations
 
-import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from aircraft.air import Air
 from aircraft.state import AircraftState, Command
 from autopilot.route import Leg, Route
 from sim.flight.record import Event, Flight
-from sim.interchange.track_writer import write_tracks
-from sim.observation.as_recorded import as_seen, exact
-from sim.observation.record import observe
-from sim.observation.sensors.adsb import Adsb
-from sim.scenario.parameters import dump
-from sim.scenario.tables import Runway
-from sim.scenario.toml_writer import dumps
 from tests.tuning.arrivals import by_heading, by_law
 from tests.tuning.arrivals.record import Arrivals
 
@@ -35,7 +25,6 @@ TURNING = np.radians(0.4)  # rad/s of course, of a turn
 PAUSE = 8.0  # s, so short a pause does not end a turn
 NEAR = np.radians(8.0)  # of the final course: within, what changes it is a correction
 SETTLING = 20.0  # s after its end that belong to the capture
-BEGINS, APART = 1767268800.0, 1800.0  # s since 1970 of the first recording, s between two
 BROKEN_OFF = 500.0  # m beyond the line
 FINAL = 60e3  # m, of the straight that trackers are told
 
@@ -53,24 +42,6 @@ def look_alikes(kind: str, seed: int, count: int, departure: str | None = None) 
         kept = np.flatnonzero(_is_arrival(found))
         flights += [_flight(found, int(number), generator.FINAL_COURSE) for number in kept]
     return flights[:count]
-
-
-def write_recordings(folder: Path, kind: str, seed: int, count: int, errors: bool = True) -> tuple[Path, Path]:
-    """Look-alikes as a file of recordings, exact or as ADS-B has them, and the file of their runway."""
-    runway = Runway(math.radians(50.0), math.radians(8.5), 100.0, float(GENERATORS[kind].FINAL_COURSE))
-    air, sensor = Air(runway.elevation), Adsb(runway=runway, air=Air(runway.elevation))
-    tracks = []
-    for number, flight in enumerate(look_alikes(kind, seed, count)):
-        name, begins = f"{kind}_{number}", BEGINS + APART * number
-        if errors:
-            seen = observe(flight, {"adsb": sensor}, seed, number)["adsb"]
-            tracks.append(as_seen(name, seen, runway, air, begins))
-        else:
-            tracks.append(exact(name, flight.state, runway, air, begins))
-    files = folder / f"{kind}.csv", folder / f"{kind}_runway.toml"
-    write_tracks(files[0], tracks)
-    files[1].write_text(dumps({"runway": dump(runway)}), encoding="utf-8")
-    return files
 
 
 def _is_arrival(found: Arrivals) -> Any:
