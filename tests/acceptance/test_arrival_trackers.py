@@ -39,7 +39,7 @@ from tests.tuning.arrival_trackers import (
 )
 
 pytestmark = pytest.mark.acceptance
-SEED, FLIGHTS, DRAWS = 2027, 200, 4
+SEED, FLIGHTS, DRAWS = 2029, 200, 4
 EXTENDED, BEFORE = "intent_imm vectored", "intent_imm"
 WAITING, AT_ONCE = "saturated_control engaged", "saturated_control"
 FREE = "imm 25 deg"  # with its own choice of densities
