@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -21,6 +22,8 @@ from sim.interchange.track_record import TrackRecord
 from sim.scenario.recording.table import final
 from sim.scenario.tables import Runway
 
+LANDED = "landed"
+ROLLED = "the record of the roll-out ends here"
 REMARK = "remark"  # the event that tells what was done to the record
 TAXIING = 15.0  # m/s over the ground; slower, a bank read off the turn means nothing
 
@@ -30,7 +33,8 @@ def recorded_flight(track: TrackRecord, runway: Runway, air: Air | None = None, 
 
     Time 0 is the first row that was kept, ``utc`` its date. Position and velocity are smoothed; bank follows from the
     turn (`phases.bank_of`). All that no receiver hears is NaN: attitude and rates but the bank, airspeed, load factors,
-    controls, wheels, and every command. What was done to the rows is told in events ``remark``.
+    controls, wheels, and every command. What was done to the rows is told in events ``remark``. On the ground it is the
+    ``rollout``.
 
     Parameters
     ----------
@@ -66,12 +70,24 @@ def recorded_flight(track: TrackRecord, runway: Runway, air: Air | None = None, 
         Event(0.0, "recorded", f"places scattered by {accurate} before they were smoothed"),
         *(Event(0.0, REMARK, sentence) for sentence in told),
         *(Event(float(time[i]), PHASES[phase[i]]) for i in changes),
-        Event(float(time[-1]), outcome, reason),
     )
-    leg = _leg(route, path)
-    nothing = np.full(len(time), np.nan)
-    command = Command(*(nothing,) * len(Command._fields))
-    return Flight(route, _state(path), command, leg, phase, PHASES, events, outcome, reason, utc=float(rows.time[0]))
+    leg, utc = _leg(route, path), float(rows.time[0])
+    down = int(np.argmax(phase == GROUND)) + 1 if outcome == LANDED else len(time)
+    events = tuple(event for event in events if event.time <= time[down - 1])
+    flown = _part(route, path, leg, phase, slice(down), utc)
+    flown = dataclasses.replace(
+        flown, events=(*events, Event(float(time[down - 1]), outcome, reason)), outcome=outcome, reason=reason
+    )
+    if len(time) - down < 2:
+        return flown
+    return dataclasses.replace(flown, rollout=_part(route, path, leg, phase, slice(down, None), utc))
+
+
+def _part(route: Route, path: Path, leg: np.ndarray, phase: np.ndarray, part: slice, utc: float) -> Flight:
+    """A stretch of the recording: what is flown, or the roll-out, which ends where the record is cut."""
+    path = Path(*(values[..., part] for values in path))
+    command = Command(*(np.full(len(path.time), np.nan),) * len(Command._fields))
+    return Flight(route, _state(path), command, leg[part], phase[part], PHASES, (), "completed", ROLLED, utc=utc)
 
 
 def final_route(runway: Runway) -> Route:
@@ -110,7 +126,7 @@ def _ending(path: Path, phase: np.ndarray, runway: Runway) -> tuple[str, str]:
     if phase[-1] == GROUND:
         over = int(np.argmax(phase == GROUND))
         there = float(runway.from_local(path.position[0, over], path.position[1, over])[0])
-        return "landed", f"on the runway {there:.0f} m past the threshold at the latest, where it sank no more"
+        return LANDED, f"on the runway {there:.0f} m past the threshold at the latest, where it sank no more"
     where = f"{math.hypot(past, right) / 1e3:.1f} km from the threshold at {path.position[2, -1]:.0f} m"
     if phase[-1] >= ESTABLISHED:
         return "completed", f"the record ends on the line of the runway, {where}"

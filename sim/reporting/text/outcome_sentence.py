@@ -55,7 +55,7 @@ def _ending(flight: Flight, touchdown: dict[str, float] | None) -> str:
 
 def _rollout(flight: Flight, rollout: dict[str, float] | None) -> str:
     """Where it came to a stop after a landing, or what happened instead; nothing where there was no roll-out."""
-    if flight.rollout is None:
+    if flight.rollout is None or flight.is_recorded:
         return ""
     if not rollout or rollout["distance_m"] is None:
         return f"; in the roll-out it was not brought to a stop on the runway ({first_clause(flight.rollout.reason)})"

@@ -36,7 +36,7 @@ def warnings(
         else None
     ]
     rollout = flight.rollout
-    if rollout is not None and rollout.outcome != STOPPED:
+    if rollout is not None and not flight.is_recorded and rollout.outcome != STOPPED:
         found.append(f"the roll-out after the landing was not a stop on the runway: {rollout.reason}")
     found += [_sensor(flight, name, sensors[name], record) for name, record in records.items()]
     found += [

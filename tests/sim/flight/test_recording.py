@@ -67,6 +67,9 @@ def test_phases_begin_where_the_formula_turns_descends_and_lands(flight):
     assert begins["established"] < begins["glide"] == pytest.approx(entry, abs=5.0)
     assert begins["ground"] == pytest.approx(foot, abs=4.0)
     assert flight.outcome == "landed"
+    assert flight.time[-1] == begins["ground"]  # what follows is the roll-out, which no approach is judged by
+    assert flight.rollout.time[0] == pytest.approx(flight.time[-1] + 1 / 30)
+    assert len(flight.whole.time) == len(flight.time) + len(flight.rollout.time)
 
 
 def test_what_nobody_recorded_is_absent(flight):
