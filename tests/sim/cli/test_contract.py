@@ -66,7 +66,7 @@ def test_a_kind_that_nobody_has_is_bad_input(tried):
     assert tried("wind_event.gust")[2] == "shortfinal: contract: no family 'wind_event'; did you mean 'wind_events'?\n"
     code, _, said = tried("sensors.gust")
     assert code == 2
-    assert "contract: no kind 'gust'; allowed: dme, downlink" in said
+    assert "contract: no kind 'gust'; allowed: adsb, dme, downlink" in said
     assert tried("gust", "--plugin", "none.py")[0::2] == (2, "shortfinal: none.py: no such file\n")
 
 
