@@ -1,7 +1,8 @@
 """Arrivals beside what was recorded of 87 approaches of jets: seven distributions of the last turn onto final.
 
 The study draws its laws, limits, lateness, vectors and heights from what was fitted and counted on the recordings; it
-does not know the quantiles below. Its own seed served while it was made, the row has another.
+does not know the quantiles below. Seeds 1 and 31 served while it was made, and 2 was looked at once; the rows have
+another.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from sim.studies.job import with_values
 from sim.studies.plan import designed_cells, plan
 
 pytestmark = pytest.mark.acceptance
-NAME, FLIGHTS, SEED = "a320_arrivals", 300, 2
+NAME, FLIGHTS, SEED = "a320_arrivals", 300, 4
 FARTHEST = 0.2  # between the shares at the four quantiles, as asked
 RECORDED = {  # 5, 50, 90, 95 % of the last turns below 115 deg
     "overshoot": (2.9, 20.8, 96.0, 125.0),
