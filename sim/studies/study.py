@@ -85,7 +85,7 @@ def resume(
     text, catalogue = folders.read_scenario(folder), catalogue_with(plugins)
     folders.check_parts(folder, catalogue)
     scenario = read_text(text, catalogue)
-    done = finished.metrics_of(folder, text.decode(), catalogue)
+    done = finished.metrics_of(folder, text.decode("utf-8-sig"), catalogue)
     if done is not None:
         _say(remark, folders.another_processor(folder))
         return done
@@ -154,7 +154,7 @@ def _fly_all(
             executor.close()
         metrics = _finish(planned, folder, records, stamp, again)
         flight_cache.prune(folders.flights_of(folder), folders.begun(folder))
-        finished.remember(folder, folders.read_scenario(folder).decode(), catalogue)
+        finished.remember(folder, folders.read_scenario(folder).decode("utf-8-sig"), catalogue)
         return metrics
 
 

@@ -27,7 +27,7 @@ from sim.scenario.plugins import Catalogue, digests
 from sim.studies import folder as folders
 from sim.studies.folder import IDENTITY, RESULTS, SCENARIO
 from sim.studies.kept.flight_log import LOG
-from sim.versions import DISTRIBUTIONS
+from sim.versions import DISTRIBUTIONS, versions
 
 FILES = (SCENARIO, IDENTITY, LOG, *RESULTS)
 MOST_FILES = 1000  # of a folder that a scenario names; with more, nothing is remembered
@@ -40,6 +40,9 @@ def metrics_of(folder: Path, text: str, catalogue: Catalogue) -> dict[str, Any] 
         return None
     try:
         folders.check_parts(folder, catalogue)
+        begun_with = {name: one for name, one in folders.identity_of(folder)["versions"].items() if name != "parts"}
+        if begun_with != versions():  # whether it goes on with others is for its user to say
+            return None
         if user_cache.load(WHAT, _decides(text, catalogue)) != _digests(folder):
             return None
         metrics: dict[str, Any] = json.loads(read_bytes(folder / RESULTS[0]))
@@ -56,10 +59,10 @@ def remember(folder: Path, text: str, catalogue: Catalogue) -> None:
 
 def _decides(text: str, catalogue: Catalogue) -> list[Any]:
     """All that decides a study but what every entry of the cache depends on."""
-    versions = {name: importlib.metadata.version(name) for name in DISTRIBUTIONS}
+    drawn_by = {name: importlib.metadata.version(name) for name in DISTRIBUTIONS}
     tables = {name: table for name, table in tomllib.loads(text).items() if name != "name"}
     named = {word: _content(Path(word)) for word in sorted({*_words(tables)})}
-    return [text, digests(catalogue.parts), versions, {word: found for word, found in named.items() if found}]
+    return [text, digests(catalogue.parts), drawn_by, {word: found for word, found in named.items() if found}]
 
 
 def _digests(folder: Path) -> dict[str, str]:

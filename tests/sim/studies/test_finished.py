@@ -8,6 +8,7 @@ import shutil
 import pytest
 
 from sim.cache import user_cache
+from sim.errors import OutputError
 from sim.studies import study as studies
 from sim.studies.kept import finished
 from tests.capture import CAPTURE
@@ -105,6 +106,16 @@ def test_another_version_of_what_draws_draws_again(folder, works, monkeypatch):
     monkeypatch.setattr(finished.importlib.metadata, "version", lambda name: "0" if name == "jinja2" else version(name))
     DOORS["study"](folder)
     assert works == ["planned", "drawn"]
+
+
+def test_a_study_that_was_begun_with_other_versions_is_refused_as_ever(folder, works):
+    """Also once it has gone on with these all the same, which is remembered."""
+    identity = folder / "cache/identity.json"
+    identity.write_text(identity.read_text().replace('"shortfinal": "', '"shortfinal": "9'))
+    (folder / "flights.jsonl").unlink()
+    studies.resume(folder, Inline(), anyway=True)
+    with pytest.raises(OutputError, match="begun with shortfinal 9"):
+        DOORS["resume"](folder)
 
 
 def test_without_a_cache_all_is_done_again(folder, works, monkeypatch):
