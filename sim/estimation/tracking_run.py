@@ -95,11 +95,12 @@ def track(
         for sensors, start in dict.fromkeys((entry.sensors, entry.start) for entry in entries)
     }
     groups = sorted(_groups(entries), key=lambda group: (group[0].name in own, -_size(group)))
-    calls = [(watch, since[group[0].sensors, group[0].start], group) for group in groups]
-    ours = [call for call in calls if call[2][0].name not in own]
-    results = current().in_order(run_group, ours) + [run_group(*call) for call in calls[len(ours) :]]
+    ours = [(group,) for group in groups if group[0].name not in own]
+    results = current().in_order(run_group, ours, (watch, since))
+    results += [run_group(watch, since, group) for group in groups[len(ours) :]]
     tracked: dict[str, Tracked] = {}
-    for (_, record, group), result in zip(calls, results, strict=True):
+    for group, result in zip(groups, results, strict=True):
+        record = since[group[0].sensors, group[0].start]
         for entry, outcome in zip(group, result, strict=True):
             until = _between(record, -math.inf, float(flight.time[-1]))
             tracked[entry.name] = Tracked(
@@ -157,9 +158,12 @@ class Outcome(NamedTuple):
     squares: dict[str, Any] | None = None
 
 
-def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Outcome]:
-    """Tracks and figures of trackers that run as one batch over a record."""
+def run_group(
+    watch: Watch, since: dict[tuple[tuple[str, ...], float], Measurements], group: list[Entry]
+) -> list[Outcome]:
+    """Tracks and figures of trackers that run as one batch; ``since`` has their record, by sensors and first time."""
     flight, first = watch.flight, group[0]
+    record = since[first.sensors, first.start]
     begun = _prior(watch, first, first.tracker, first.start)
     sensors = _sensors_of(watch, first.sensors)
     trackers = [entry.tracker for entry in group]
