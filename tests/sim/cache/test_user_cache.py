@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
 
 import pytest
 
+from aircraft.data import FlapSetting
 from sim.cache import user_cache
 from sim.cli.doctor import _cache
 from sim.experiment import read
+from sim.flight import gains
 from sim.flight.preparation import prepare
+from tests.hostile.foreign import FOREIGN
 
 
 @pytest.fixture
@@ -153,6 +157,23 @@ def test_a_design_from_the_cache_is_that_without_one(cache, monkeypatch):
     monkeypatch.setenv(user_cache.SWITCH, user_cache.OFF)
     without = json.dumps(prepare(scenario).gains.to_table())
     assert [json.dumps(one) for one in kept] == [without] * 3
+
+
+def test_slowest_speeds_are_measured_once_for_each_content_of_a_model(cache, monkeypatch, tmp_path):
+    home = FOREIGN["root with systems"].write(tmp_path)
+    measured = []
+
+    def measure(model, repaired):
+        measured.append(repaired)
+        return (FlapSetting(0.0, math.inf, 30.0 + len(measured)),)
+
+    monkeypatch.setattr(gains, "flap_settings", measure)
+    first = gains.known_flap_settings(home, False)
+    assert first == gains.known_flap_settings(home, False) == (FlapSetting(0.0, math.inf, 31.0),)
+    assert gains.known_flap_settings(home, True)[0].stall_speed == 32.0
+    (home / "plane.toml").write_text('title = "data beside it"')
+    assert gains.known_flap_settings(home, False)[0].stall_speed == 33.0
+    assert measured == [False, True, False]
 
 
 def test_the_command_can_leave_the_cache_alone(cache, command, monkeypatch):
