@@ -2,8 +2,8 @@
 
 - ``state``: what passes to and from autopilot and sensors; ``units``: suffix -> SI; ``errors``: sentences for users
 - ``model_files``, ``safe_xml``, ``repairs``, ``loading``: from somebody's model to one that can be flown here;
-  ``data``, ``stock``, ``landing_gear``, ``runway``: what is known besides; ``models``: aircraft of our own, made by
-  ``handbook``
+  ``data``, ``stock``, ``landing_gear``, ``runway``: what is known besides; ``identity``: a digest of all that;
+  ``models``: aircraft of our own, made by ``handbook``
 - ``executive``, ``properties``, ``power_plant``, ``airframe``: JSBSim for one flight; ``point_mass``: the papers' own
 - ``trim``, ``minimum_speed``, ``slowest``, ``linearise``, ``modes``, ``actuators``: what is computed from an airframe
 - ``air``: density, temperature, pressure; ``wind``, ``wind_shear``, ``turbulence``, ``turbulence_intensity``: motion of

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 from aircraft.airframe import Airframe, load
@@ -25,18 +26,21 @@ STEP = 0.88  # from one speed to the next slower one
 PRECISION = 0.01  # of the slowest speed
 
 
-def complete(model: str | Path, repaired: bool = False) -> AircraftData:
+def complete(
+    model: str | Path, repaired: bool = False, measure: Callable[..., tuple[FlapSetting, ...]] | None = None
+) -> AircraftData:
     """The data of an aircraft with its flap settings, which no file states of most; raises ``ModelError``.
 
     Those of a stock aircraft are in a table, measured under the version of JSBSim that is noted there; where that is
-    not the version at hand, and for the folder of a user, they are measured on the spot.
+    not the version at hand, and for the folder of a user, they are measured on the spot: by ``flap_settings``, or by
+    ``measure``, which takes the same arguments and may know them from before.
     """
     known = data(model)
     if known.flap_settings:
         return known
     rows = stock_row(model).get("flap_settings", [])
     settings = tuple(FlapSetting(math.radians(row["flaps_deg"]), math.inf, row["slowest_mps"]) for row in rows)
-    return dataclasses.replace(known, flap_settings=settings or flap_settings(model, repaired))
+    return dataclasses.replace(known, flap_settings=settings or (measure or flap_settings)(model, repaired))
 
 
 def why_not(airframe: Airframe) -> str:

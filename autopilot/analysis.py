@@ -6,7 +6,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import expm
 
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.modes.lateral_navigation import LateralNavigation
@@ -42,6 +41,9 @@ def poles(law: LateralNavigation) -> tuple[complex, complex]:
 
 def predict_linear(law: LateralNavigation, cross_track: float, cross_track_rate: float, time: Any) -> Prediction:
     """The law without limits on the double integrator, exactly [Vasylyev 2003, eq. (7)]."""
+
+    from scipy.linalg import expm
+
     F = closed_loop(law)
     states = np.array([expm(F * t) @ [cross_track, cross_track_rate] for t in np.asarray(time)])
     return Prediction(time, states[:, 0], states[:, 1], -(states @ [law.k1, law.k2]))

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import expm, solve_continuous_are
 
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.mode import RATE_MARGIN
@@ -198,6 +197,8 @@ def lateral_gains(point: OperatingPoint) -> Any:
 
 
 def _linear_quadratic(A: Any, B: Any, Q: Any, R: Any, controls: str) -> Any:
+    from scipy.linalg import solve_continuous_are
+
     try:
         return np.linalg.solve(R, B.T @ solve_continuous_are(A, B, Q, R))
     except np.linalg.LinAlgError:
@@ -260,6 +261,9 @@ def bank_overshoot(point: OperatingPoint, frequency: float, bank_limit: float) -
 
     ``frequency`` (rad/s) is that of the critically damped reference between the command and the closed bank loop.
     """
+
+    from scipy.linalg import expm
+
     A, B, C = bank_loop(point)
     A9 = np.zeros((9, 9))  # the loop, the reference and its rate, the command and its rate
     A9[:5, :5], A9[:5, 5:7] = A, B

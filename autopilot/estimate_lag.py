@@ -12,8 +12,6 @@ from __future__ import annotations
 import cmath
 import math
 
-from scipy.optimize import brentq
-
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.design import LAW_DAMPING, Designed, law_of_frequency
 
@@ -37,6 +35,9 @@ def tolerated_lag(k1: float, k2: float, bank_lag: float) -> float:
     ----------
     k1, k2 : rad/m and rad/(m/s), of the law        bank_lag : s
     """
+
+    from scipy.optimize import brentq
+
     stiffness, damping = STANDARD_GRAVITY * k1, STANDARD_GRAVITY * k2
 
     def excess(frequency: float) -> float:
@@ -61,6 +62,9 @@ def softened(designed: Designed, speed: float, lag: float) -> Designed:
     ----------
     speed : m/s, at which the route is intercepted        lag : s, of the estimated rate
     """
+
+    from scipy.optimize import brentq
+
     late, wanted = bank_lag(designed), RESERVE * lag
     if tolerated_lag(designed.k1, designed.k2, late) >= wanted:
         return designed

@@ -12,7 +12,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import bisect
 
 from autopilot.cycle_waves import ORDERS, CommandWave, wave_of_cycle
 from autopilot.describing_functions import (
@@ -185,6 +184,9 @@ def caught(limited: LimitedLoop, law: LateralNavigation, cross_track: float) -> 
 
 def onset(limited: LimitedLoop, cross_track: float) -> float:
     """Smallest natural frequency of the law, rad/s, whose oscillation lasts when begun at rest beside the line (m)."""
+
+    from scipy.optimize import bisect
+
     loop = limited.loop
 
     def lasts(frequency: float) -> float:

@@ -12,8 +12,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import expm
-from scipy.optimize import brentq
 
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.design import Designed, OperatingPoint, law_of_frequency
@@ -91,6 +89,9 @@ def route_loop(point: OperatingPoint, designed: Designed, actuators: tuple[float
 
 def lag_loop(lag: float, speed: float) -> RouteLoop:
     """The loop of a point that banks with one lag (s) behind its command and moves across by g times the bank."""
+
+    from scipy.linalg import expm
+
     A = np.array([[-1.0 / lag, 0.0, 0.0], [0.0, 0.0, 1.0], [STANDARD_GRAVITY, 0.0, 0.0]])
     both = expm(STEP * np.block([[A, np.array([[1.0 / lag], [0.0], [0.0]])], [np.zeros((1, 4))]]))
     return RouteLoop(both[:3, :3], both[:3, 3], np.eye(4, 3), np.zeros(4), speed, 1.0 / lag)
@@ -115,6 +116,8 @@ def _airframe(point: OperatingPoint, actuators: tuple[float, float]) -> tuple[An
 def _sampled(F: Any, G: Any, delay: float) -> tuple[Any, Any, Any]:
     """x+ from x, from the controls set now and from those of the step before, which act until ``delay`` (s) is over."""
 
+    from scipy.linalg import expm
+
     def held(time: float) -> tuple[Any, Any]:
         both = expm(np.block([[F, G], [np.zeros((G.shape[1], len(F) + G.shape[1]))]]) * time)
         return both[: len(F), : len(F)], both[: len(F), len(F) :]
@@ -136,6 +139,8 @@ def growth(loop: RouteLoop, law: LateralNavigation) -> float:
 
 def linear_onset(loop: RouteLoop, bank_limit: float) -> float:
     """Natural frequency of the law, rad/s, at which the loop loses its stability inside the limits."""
+
+    from scipy.optimize import brentq
 
     def unstable(frequency: float) -> float:
         return growth(loop, law_of_frequency(frequency, loop.speed, bank_limit)) - 1.0 - 1e-9
@@ -187,6 +192,9 @@ class Margins(NamedTuple):
 
 def margins(loop: RouteLoop, law: LateralNavigation) -> Margins:
     """Gain and phase margin of the route loop inside the limits of the law."""
+
+    from scipy.optimize import brentq
+
     natural = math.sqrt(STANDARD_GRAVITY * law.k1)
     frequency = np.geomspace(0.05 * min(natural, loop.bandwidth), 0.99 * math.pi / STEP, CROSSINGS)
     values = -law_response(loop, law, frequency)

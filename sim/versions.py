@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import hashlib
 import importlib
 import importlib.metadata
 import importlib.util
@@ -25,6 +26,8 @@ DISTRIBUTIONS = (
     "jinja2",
     "pebble",
 )
+HOME = Path(__file__).resolve().parents[1]
+PACKAGES = ("aircraft", "autopilot", "tracking", "sim")
 CORE_NAMES = tuple(f"{prefix}openblas_get_corename{suffix}" for prefix in ("scipy_", "") for suffix in ("64_", ""))
 
 
@@ -70,6 +73,21 @@ def versions(parts: Mapping[str, str] | None = None) -> dict[str, Any]:
     found = {name: importlib.metadata.version(name) for name in ("jsbsim", "numpy", "scipy")}
     ours = {"shortfinal": __version__, "python": platform.python_version(), "platform": platform.platform(), **found}
     return {**ours, "parts": dict(parts)} if parts else ours
+
+
+@functools.cache
+def program() -> str:
+    """Digest of all files of our packages, data and templates too.
+
+    A version tells a release; whoever edits the program must not get what the old one left.
+    """
+    found = hashlib.sha256()
+    for package in PACKAGES:
+        for path in sorted((HOME / package).rglob("*")):
+            if "__pycache__" not in path.parts and path.is_file():
+                content = path.read_bytes()
+                found.update(f"{path.relative_to(HOME)} {len(content)}\n".encode() + content)
+    return found.hexdigest()
 
 
 def rows(versions: Mapping[str, Any]) -> list[tuple[str, str]]:

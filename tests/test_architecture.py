@@ -23,7 +23,7 @@ MAY_IMPORT = {"aircraft": (), "tracking": (), "autopilot": ("aircraft.state", "a
 
 # the rooms of sim in reading order: each may import those before it; what stands in one line is one room
 ROOMS = (
-    ("errors", "randomness", "files", "versions"),  # the ground
+    ("errors", "randomness", "files", "versions", "cache"),  # the ground
     ("scenario",),
     ("workers",),
     ("interchange",),

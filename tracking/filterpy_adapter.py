@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -101,18 +103,25 @@ def prior_of(source: Any) -> Gaussian:
 
 @lru_cache(maxsize=256)
 def constant_velocity(dt: float, acceleration_density: float) -> Motion:
-    """Planar constant velocity for one period, as filterpy designs it."""
-    from filterpy.common import Q_continuous_white_noise
-    from filterpy.kalman import KalmanFilter
+    """Planar constant velocity for one period, with the noise as filterpy designs it."""
+    F = np.kron(np.eye(2), [[1.0, dt], [0.0, 1.0]])
+    noise = _discretization().Q_continuous_white_noise
+    Q = noise(dim=2, dt=dt, spectral_density=acceleration_density, block_size=2)
+    return FixedMotion(_rows(F), _rows(Q), CARTESIAN)
 
-    design = KalmanFilter(dim_x=4, dim_z=2)
-    design.F = np.kron(np.eye(2), [[1.0, dt], [0.0, 1.0]])
-    design.Q = Q_continuous_white_noise(dim=2, dt=dt, spectral_density=acceleration_density, block_size=2)
-    design.H = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
-    tracker = from_filterpy(design)
-    assert isinstance(tracker, Kalman)
-    assert tracker.motion is not None
-    return tracker.motion
+
+@lru_cache(maxsize=1)
+def _discretization() -> Any:
+    """filterpy's module of process noise alone: its package imports scipy.stats, which takes as long as a flight."""
+    package = find_spec("filterpy")
+    assert package is not None
+    assert package.origin is not None
+    spec = spec_from_file_location("discretization", Path(package.origin).parent / "common" / "discretization.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def _check(source: Any, kalman_filter: Any) -> None:

@@ -13,7 +13,6 @@ from functools import lru_cache
 from typing import Annotated, Any, NamedTuple, Protocol
 
 import numpy as np
-from scipy.linalg import expm
 
 from tracking.gaussian import lift
 
@@ -56,6 +55,9 @@ def van_loan(A: Array, noise: Array, dt: float) -> tuple[Array, Array]:
     The exponential is taken over a part of dt on which A hardly acts and doubled up from there, because its block
     F^-1 Q would lose all digits where a mode has died out within dt.
     """
+
+    from scipy.linalg import expm
+
     A, noise = np.asarray(A, dtype=float), np.asarray(noise, dtype=float)
     n = len(A)
     size = float(np.abs(A).sum(axis=1).max()) * dt

@@ -8,31 +8,20 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from sim.claims.ledger import Measured, Row
 from sim.errors import OutputError
 from sim.files import opened, read_bytes
+from sim.versions import program
 
 FILE = "rows.jsonl"  # one line for each row; gone once the pages are written
-SOURCES = ("sim", "autopilot", "tracking", "aircraft")
-
-
-@lru_cache(maxsize=1)
-def program() -> str:
-    """Digest of the program: what another one measured is measured again."""
-    home, digest = Path(__file__).resolve().parents[2], hashlib.sha256()
-    for package in SOURCES:
-        for file in sorted((home / package).rglob("*.py")):
-            digest.update(file.read_bytes())
-    return digest.hexdigest()[:16]
 
 
 def stamp(seed: int, quick: bool) -> str:
     """What rows must have in common to stand in one ledger."""
-    return f"{program()} seed {seed}{' quick' if quick else ''}"
+    return f"{program()[:16]} seed {seed}{' quick' if quick else ''}"
 
 
 def add_row(folder: Path, mark: str, row: Row) -> None:

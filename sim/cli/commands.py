@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import signal
 import sys
 from collections.abc import Iterator
@@ -61,6 +62,23 @@ Workers = Annotated[
 ]
 
 
+def _without_cache(asked: bool) -> bool:
+    """Switch the cache of the user off, for this process and those that it starts."""
+    from sim.cache.user_cache import OFF, SWITCH
+
+    if asked:
+        os.environ[SWITCH] = OFF
+    return asked
+
+
+NoCache = Annotated[
+    bool,
+    typer.Option(
+        "--no-cache", callback=_without_cache, help="Use and leave nothing in the user's cache folder (see doctor)."
+    ),
+]
+
+
 @app.command()
 def run(
     scenario: Scenario = DEFAULT,
@@ -75,6 +93,7 @@ def run(
         int, typer.Option("-j", "--workers", min=1, help="Worker processes that share the flights.")
     ] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
+    no_cache: NoCache = False,
 ) -> None:
     """Fly, observe, track and report a scenario."""
     if flight is not None and workers > 1:
@@ -120,6 +139,7 @@ def record(
     sets: Sets = None,
     plugins: Plugins = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
+    no_cache: NoCache = False,
 ) -> None:
     """Observe, track and report a recorded flight; the scenario lies in the folder of the run."""
     from sim.scenario.recording.completion import scenario_of
@@ -145,6 +165,7 @@ def study(
     anew: Annotated[bool, typer.Option("--anew", help="Throw away another study that the folder holds.")] = False,
     cluster: Cluster = None,
     insecure: Insecure = False,
+    no_cache: NoCache = False,
 ) -> None:
     """Fly a scenario over the axes of its [study] table; what a folder already has of it is not flown again."""
     from sim.experiment import read
@@ -169,6 +190,7 @@ def resume(
     anyway: Annotated[bool, typer.Option("--anyway", help="Go on although the versions differ.")] = False,
     cluster: Cluster = None,
     insecure: Insecure = False,
+    no_cache: NoCache = False,
 ) -> None:
     """Go on with a study where it was interrupted; the result is that of an uninterrupted one."""
     from sim.studies import study as studies
@@ -204,8 +226,6 @@ def _study(folder: Path, fly: Any, plugins: list[Path] | None) -> None:
 @contextlib.contextmanager
 def _executor(workers: int | None, cluster: str | None, insecure: bool) -> Iterator[dict[str, Any]]:
     """Where a study flies, and how many workers that costs this machine."""
-    import os
-
     if cluster is None:
         from sim.workers.executors import LocalExecutor
 
@@ -257,7 +277,7 @@ def claims(
 
 
 @app.command()
-def validate(file: Scenario, sets: Sets = None, plugins: Plugins = None) -> None:
+def validate(file: Scenario, sets: Sets = None, plugins: Plugins = None, no_cache: NoCache = False) -> None:
     """Say whether a scenario can be flown, and everything that is wrong with it."""
     from sim.estimation.setup import check
     from sim.experiment import read, refuse_unfit_run
@@ -314,7 +334,9 @@ def list_(
 
 
 @app.command()
-def explain(scenario: Scenario = DEFAULT, sets: Sets = None, plugins: Plugins = None) -> None:
+def explain(
+    scenario: Scenario = DEFAULT, sets: Sets = None, plugins: Plugins = None, no_cache: NoCache = False
+) -> None:
     """Show what a scenario resolves to: route, trim, modes, gains, limits, checks."""
     from sim.cli.explain import explain as told
     from sim.experiment import read

@@ -13,6 +13,7 @@ import tempfile
 from pathlib import Path
 from textwrap import wrap as wrapped
 
+from sim.cache import user_cache
 from sim.versions import DISTRIBUTIONS
 
 WIDTH = 120  # of a line on an aircraft, which may lack much
@@ -43,7 +44,18 @@ def examine() -> tuple[list[str], bool]:
     width = max(len(name) for _, name, _ in rows)
     lines = [f"{'good' if good else 'BAD ':4}  {name:{width}}  {text}" for good, name, text in rows]
     lines.append(f"note  {'browser':{width}}  {chromium or 'none on the PATH: report tests are skipped'}")
+    lines.append(f"note  {'cache':{width}}  {_cache()}")
     return lines, all(good for good, _, _ in rows)
+
+
+def _cache() -> str:
+    """Where designs and speeds of aircraft, and that studies are done, are kept between commands; or why nowhere."""
+    place = user_cache.place()
+    if place is None:
+        return f"off ({user_cache.SWITCH}={user_cache.OFF}, or no home): every command computes anew"
+    if why := user_cache.unfit(place):
+        return f"{place} {why}: it is passed over, and every command computes anew"
+    return f"{place}; 'rm -r' it at any time"
 
 
 def examine_aircraft(model: str) -> tuple[list[str], bool]:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.errors import ScenarioError
-from sim.estimation.batching import can_batch, repeat_runs, split_track, stack_laws
+from sim.estimation.batching import can_batch, join_runs, repeat_runs, runs_of, split_track, stack_laws
 from sim.estimation.look_ahead import LookAhead, Looks, instants_of, look_ahead_rmse
 from sim.estimation.prior import prior
 from sim.estimation.setup import adopt, build, height_profile, listened
@@ -30,7 +30,7 @@ from sim.observation.sensor import quantity_of
 from sim.workers.sharing import current
 from tracking.conformance import CONFORMANCE
 from tracking.gaussian import Gaussian, Mixture, merge
-from tracking.track import Measurements, Track, TrackerError, believed, follow, modes_of, stepped
+from tracking.track import Measurements, Track, TrackerError, believed, chunks, follow, modes_of, stepped
 from tracking.track import track as run_tracker
 
 
@@ -95,11 +95,12 @@ def track(
         for sensors, start in dict.fromkeys((entry.sensors, entry.start) for entry in entries)
     }
     groups = sorted(_groups(entries), key=lambda group: (group[0].name in own, -_size(group)))
-    calls = [(watch, since[group[0].sensors, group[0].start], group) for group in groups]
-    ours = [call for call in calls if call[2][0].name not in own]
-    results = current().in_order(run_group, ours) + [run_group(*call) for call in calls[len(ours) :]]
+    ours = [(group,) for group in groups if group[0].name not in own]
+    results = current().in_order(run_group, ours, (watch, since))
+    results += [run_group(watch, since, group) for group in groups[len(ours) :]]
     tracked: dict[str, Tracked] = {}
-    for (_, record, group), result in zip(calls, results, strict=True):
+    for group, result in zip(groups, results, strict=True):
+        record = since[group[0].sensors, group[0].start]
         for entry, outcome in zip(group, result, strict=True):
             until = _between(record, -math.inf, float(flight.time[-1]))
             tracked[entry.name] = Tracked(
@@ -157,9 +158,12 @@ class Outcome(NamedTuple):
     squares: dict[str, Any] | None = None
 
 
-def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Outcome]:
-    """Tracks and figures of trackers that run as one batch over a record."""
+def run_group(
+    watch: Watch, since: dict[tuple[tuple[str, ...], float], Measurements], group: list[Entry]
+) -> list[Outcome]:
+    """Tracks and figures of trackers that run as one batch; ``since`` has their record, by sensors and first time."""
     flight, first = watch.flight, group[0]
+    record = since[first.sensors, first.start]
     begun = _prior(watch, first, first.tracker, first.start)
     sensors = _sensors_of(watch, first.sensors)
     trackers = [entry.tracker for entry in group]
@@ -169,13 +173,21 @@ def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Ou
     else:
         seen = places(watch.prepared, sensors, measurements(watch.records, first.sensors))
         ahead = PredictedPlots(trackers, record.arrival, seen)
-    one = stack_laws(trackers, record.z.shape[2])
+    draws = record.z.shape[2]
+    parts: list[list[Track]] = []
     try:
-        made = run_tracker(one, *repeat_runs(record, begun, len(group)), first.start, ahead)
-        draws = record.z.shape[2] * len(group)
-        if made.mean.shape[2] != draws:
-            raise TrackerError(f"estimate gives {made.mean.shape[2]} draws, not {draws}")
-        tracks = split_track(made, len(group))
+        for chosen in (
+            chunks(draws) if flight.known else [slice(0, draws)]
+        ):  # a run's estimate depends on no other, but memory does
+            some = record if chosen == slice(0, draws) else record.runs(chosen)
+            one, count = stack_laws(trackers, some.z.shape[2]), some.z.shape[2] * len(group)
+            priors = runs_of(begun, chosen, draws)
+            # a few draws look ahead, and they are among the first
+            made = run_tracker(one, *repeat_runs(some, priors, len(group)), first.start, ahead if not parts else None)
+            if made.mean.shape[2] != count:
+                raise TrackerError(f"estimate gives {made.mean.shape[2]} draws, not {count}")
+            parts.append(split_track(made, len(group)))
+        tracks = [join_runs([*own]) for own in zip(*parts, strict=True)]
         looks = ahead.looks()
     except TrackerError as error:
         raise ScenarioError(f"[trackers.{first.name}] {error}") from error

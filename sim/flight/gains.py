@@ -12,7 +12,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from aircraft.data import FlapSetting
+from aircraft.identity import identity
+from aircraft.slowest import flap_settings
 from autopilot.design import Designed
+from sim.cache.user_cache import remembered
 
 INPUTS = "inputs"
 
@@ -47,6 +51,20 @@ def gains_for(table: dict[str, Any] | None, inputs: dict[str, Any], design: Call
         return Gains(_read(table), inputs)
     remark = f"the gains of [designed] were made for other inputs ({', '.join(changed)}): designed anew"
     return Gains(design(), inputs, (remark,))
+
+
+def known_design(inputs: dict[str, Any], model: str, design: Callable[[], Designed]) -> Designed:
+    """The design for these inputs, made once for all commands; ``model`` names the aircraft, whose files decide too."""
+    decides = [inputs, identity(model)]
+    return Designed.from_table(remembered("design", decides, lambda: design().to_table()))
+
+
+def known_flap_settings(model: str | Path, repaired: bool) -> tuple[FlapSetting, ...]:
+    """The slowest level flight of an aircraft that no table has, measured once for all commands."""
+    found = remembered(
+        "slowest", [identity(str(model)), repaired], lambda: [*map(dataclasses.astuple, flap_settings(model, repaired))]
+    )
+    return tuple(FlapSetting(*row) for row in found)
 
 
 def _read(table: dict[str, Any]) -> Designed:

@@ -40,7 +40,7 @@ from sim.flight.airspeeds import (
     remarks,
 )
 from sim.flight.arrivals import vectoring
-from sim.flight.gains import Gains, gains_for, plain
+from sim.flight.gains import Gains, gains_for, known_design, known_flap_settings, plain
 from sim.flight.outcomes import Limits
 from sim.flight.record import Flight
 from sim.flight.recording.flight import REMARK
@@ -315,7 +315,11 @@ def _decelerations(scenario: Scenario) -> dict[str, float]:
 
 def _data(scenario: Scenario) -> AircraftData:
     model = scenario.aircraft.model
-    known = AircraftData("point mass") if model == "point_mass" else complete(model, scenario.aircraft.repairs)
+    known = (
+        AircraftData("point mass")
+        if model == "point_mass"
+        else complete(model, scenario.aircraft.repairs, known_flap_settings)
+    )
     if model == "point_mass" and scenario.aircraft.factors:
         raise ModelError("the point mass has no factors")
     mass = scenario.aircraft.mass
@@ -431,7 +435,11 @@ def _gains(scenario: Scenario, route: Route, flaps: float, landing: Landing | No
         aircraft = plain(choice) | {"model": digest(read(choice.model))}
     lag = scenario.autopilot.estimate_lag
     inputs = plain(arguments) | {"estimate_lag": lag, "choice": aircraft}
-    return gains_for(scenario.designed, inputs, lambda: softened(design(**arguments), fastest, lag))
+
+    def made() -> Designed:
+        return softened(design(**arguments), fastest, lag)
+
+    return gains_for(scenario.designed, inputs, lambda: known_design(inputs, scenario.aircraft.model, made))
 
 
 def _extremes(scenario: Scenario) -> tuple[float, float]:

@@ -17,11 +17,11 @@ from sim.experiment import read
 from sim.files import plain, replace, replace_json
 from sim.reporting.text.broken_checks import Again
 from sim.scenario.budget import refuse_workers
-from sim.scenario.plugins import catalogue_with, digests
+from sim.scenario.plugins import Catalogue, catalogue_with, digests
 from sim.scenario.toml_writer import dumps
 from sim.studies import folder as folders
 from sim.studies.job import Job, fly, lost
-from sim.studies.kept import flight_cache, flight_log
+from sim.studies.kept import finished, flight_cache, flight_log
 from sim.studies.limits.answer import answer
 from sim.studies.limits.maps import ratio_maps
 from sim.studies.metrics import named, study_metrics
@@ -55,12 +55,16 @@ def study(
     catalogue = catalogue_with(plugins)
     scenario = read(source, overrides, plugins=catalogue)
     text = dumps(scenario.tables)
+    done = None if anew else finished.metrics_of(folder, text, catalogue)
+    if done is not None:
+        _say(remark, folders.another_processor(folder))
+        return done
     planned = plan(read_text(text.encode(), catalogue), catalogue)
     tables = designed_cells(planned)
     _refuse_too_much(planned, folder, workers)
     folders.open_study(folder, text, scenario.seed, anew, planned.parts)
     _say(remark, folders.another_processor(folder))
-    return _fly_all(planned, tables, folder, executor, progress, remark)
+    return _fly_all(planned, tables, folder, executor, catalogue, progress, remark)
 
 
 def resume(
@@ -80,12 +84,17 @@ def resume(
     """
     text, catalogue = folders.read_scenario(folder), catalogue_with(plugins)
     folders.check_parts(folder, catalogue)
-    planned = plan(read_text(text, catalogue), catalogue)
+    scenario = read_text(text, catalogue)
+    done = finished.metrics_of(folder, text.decode("utf-8-sig"), catalogue)
+    if done is not None:
+        _say(remark, folders.another_processor(folder))
+        return done
+    planned = plan(scenario, catalogue)
     folders.check_study(folder, planned.scenario.seed, anyway, planned.parts)
     _say(remark, folders.another_processor(folder))
     tables = designed_cells(planned)
     _refuse_too_much(planned, folder, workers)
-    return _fly_all(planned, tables, folder, executor, progress, remark)
+    return _fly_all(planned, tables, folder, executor, catalogue, progress, remark)
 
 
 def _say(remark: Callable[[str], None] | None, sentence: str | None) -> None:
@@ -112,6 +121,7 @@ def _fly_all(
     tables: tuple[dict[str, Any], ...],
     folder: Path,
     executor: Executor,
+    catalogue: Catalogue,
     progress: Callable[..., Any] | None,
     remark: Callable[[str], None] | None,
 ) -> dict[str, Any]:
@@ -144,6 +154,7 @@ def _fly_all(
             executor.close()
         metrics = _finish(planned, folder, records, stamp, again)
         flight_cache.prune(folders.flights_of(folder), folders.begun(folder))
+        finished.remember(folder, folders.read_scenario(folder).decode("utf-8-sig"), catalogue)
         return metrics
 
 

@@ -41,25 +41,34 @@ class Sharing:
 
         return result
 
-    def as_done(self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
+    def as_done(
+        self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]], common: tuple[Any, ...] = ()
+    ) -> Iterator[tuple[int, Any]]:
         """Number and result of a function for several arguments, as each ends.
 
-        This process takes calls from the front, the helper from the back. Raises what the function raises.
+        This process takes calls from the front, the helper from the back. ``common`` are arguments of every call,
+        before the others, which travel to the helper only once. Raises what the function raises.
         """
         waiting = deque(enumerate(calls))
         done: SimpleQueue[tuple[int, Any]] = SimpleQueue()
+        to_helper = (with_kept, function) if common else (function,)
 
         def there(helper: HelperProcess) -> None:
+            try:
+                if common and waiting:
+                    helper.call(keep, common)
+            except Lost:
+                return
             while (call := _taken(waiting.pop)) is not None:
                 try:
-                    done.put((call[0], helper.call(function, *call[1])))
+                    done.put((call[0], helper.call(*to_helper, *call[1])))
                 except Lost:
                     waiting.append(call)
                     return
 
         def here() -> Iterator[tuple[int, Any]]:
             while (call := _taken(waiting.popleft)) is not None:
-                yield call[0], function(*call[1])
+                yield call[0], function(*common, *call[1])
                 while not done.empty():
                     yield done.get()
 
@@ -77,9 +86,11 @@ class Sharing:
             yield done.get()
         yield from here()  # all of it, or what a lost process has left
 
-    def in_order(self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> list[Any]:
+    def in_order(
+        self, function: Callable[..., Any], calls: Sequence[tuple[Any, ...]], common: tuple[Any, ...] = ()
+    ) -> list[Any]:
         """The results of `as_done` in the order of the calls."""
-        found = dict(self.as_done(function, calls))
+        found = dict(self.as_done(function, calls, common))
         return [found[number] for number in range(len(calls))]
 
     def stop(self) -> None:
@@ -88,6 +99,19 @@ class Sharing:
             self.helper.process.kill()
             self._thread.shutdown(cancel_futures=True)
             self.helper.end()
+
+
+_kept: list[Any] = []  # in a helper: the common arguments of the calls that come
+
+
+def keep(common: tuple[Any, ...]) -> None:
+    """In a helper: take the common arguments of further calls, in place of earlier ones."""
+    _kept[:] = common
+
+
+def with_kept(function: Callable[..., Any], *arguments: Any) -> Any:
+    """In a helper: a call with the common arguments before its own."""
+    return function(*_kept, *arguments)
 
 
 ALONE = Sharing()

@@ -8,7 +8,6 @@ from functools import cached_property, lru_cache
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import fractional_matrix_power
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
 from tracking.measurement import MeasurementModel
@@ -152,6 +151,8 @@ def switching_over(model_set: ModelSet, dt: float) -> Any:
 
 @lru_cache(maxsize=256)
 def _power(switching: tuple[tuple[float, ...], ...], periods: float) -> Any:
+    from scipy.linalg import fractional_matrix_power
+
     matrix = np.array(switching)
     if periods.is_integer():
         return np.linalg.matrix_power(matrix, int(periods))

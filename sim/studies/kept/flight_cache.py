@@ -16,28 +16,25 @@ import json
 import math
 import os
 import shutil
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from aircraft.model_files import digest, is_file, main_file, read
+from aircraft.identity import identity
 from aircraft.state import AircraftState, Command
-from aircraft.stock import STOCK_TABLE
 from sim.files import DAMAGED, read_bytes
 from sim.flight.preparation import Prepared
 from sim.flight.record import Event, Flight
-from sim.versions import versions
+from sim.versions import program, versions
 
 # of a scenario, but not of its flights
 WITHOUT = ("name", "flights", "draws", "sensors", "trackers", "contrasts", "checks", "study")
 LARGEST_CACHE = 1 << 30  # bytes in one study folder
 RESERVE = 1 << 30  # bytes of the disk that are left to others
 ENDING = ".flight"
+_model = functools.lru_cache(maxsize=4)(identity)  # a study flies one version of it
 TIME = AircraftState._fields.index("time")
-CODE = Path(__file__).resolve().parents[3]
-PACKAGES = ("aircraft", "autopilot", "tracking", "sim")
 
 
 def shared(prepared: Prepared) -> bool:
@@ -55,30 +52,8 @@ def key(prepared: Prepared, number: int) -> str:
     scenario = prepared.scenario
     tables = {name: table for name, table in scenario.tables.items() if name not in WITHOUT}
     parts = {part.address: part.digest for part in scenario.parts}
-    decides = [tables, number, versions(parts), _code(), _model(scenario.aircraft.model), prepared.rate]
+    decides = [tables, number, versions(parts), program(), _model(scenario.aircraft.model), prepared.rate]
     return hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()
-
-
-@functools.cache
-def _code() -> str:
-    """A version tells a release; whoever edits the code between two studies must not get the flights of the old one."""
-    return _digest(path for package in PACKAGES for path in (CODE / package).rglob("*.py"))
-
-
-@functools.lru_cache(maxsize=4)
-def _model(name: str) -> str:
-    """A model with all files that it refers to, its data, and the table of stock aircraft."""
-    if name == "point_mass":
-        return ""
-    data = main_file(name).with_suffix(".toml")
-    return digest(read(name)) + _digest(path for path in (data, STOCK_TABLE) if is_file(path))
-
-
-def _digest(paths: Iterable[Path]) -> str:
-    found = hashlib.sha256()
-    for path in sorted(paths):
-        found.update(path.name.encode() + path.read_bytes())
-    return found.hexdigest()
 
 
 def load(cache: Path, name: str, prepared: Prepared) -> Flight | None:

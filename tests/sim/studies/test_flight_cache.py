@@ -154,7 +154,7 @@ def test_what_decides_a_flight_decides_its_name(monkeypatch):
     monkeypatch.setattr(flight_cache, "versions", lambda parts: {"shortfinal": "another"})
     others.append(flight_cache.key(prepared(), 0))
     monkeypatch.undo()
-    monkeypatch.setattr(flight_cache, "_code", lambda: "edited")
+    monkeypatch.setattr(flight_cache, "program", lambda: "edited")
     others.append(flight_cache.key(prepared(), 0))
     assert len({name, *others}) == 1 + len(others)
 

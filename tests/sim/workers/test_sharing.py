@@ -36,6 +36,24 @@ def sulk(number, home):
     return square(number)
 
 
+class Heavy:
+    """Says how often it travels."""
+
+    travels = 0
+
+    def __init__(self, weight):
+        self.weight = weight
+
+    def __reduce__(self):
+        Heavy.travels += 1
+        return Heavy, (self.weight,)
+
+
+def lift(heavy, number):
+    time.sleep(0.05)
+    return heavy.weight * number, os.getpid()
+
+
 def refuse(number):
     if number == 7:
         raise IndexError("seven")
@@ -88,6 +106,21 @@ def test_both_take_their_part(shared):
     found = shared.in_order(square, [(number,) for number in range(8)])
     assert [value for value, _ in found] == [number**2 for number in range(8)]
     assert len({process for _, process in found}) == 2
+
+
+@pytest.mark.parametrize("weight", [3, 5])
+def test_what_all_calls_have_in_common_travels_once(shared, monkeypatch, weight):
+    monkeypatch.setattr(Heavy, "travels", 0)
+    found = shared.in_order(lift, [(number,) for number in range(8)], (Heavy(weight),))
+    assert [value for value, _ in found] == [weight * number for number in range(8)]
+    assert len({process for _, process in found}) == 2
+    assert Heavy.travels == 1
+
+
+def test_a_process_that_is_lost_before_it_has_that_costs_no_result(doomed):
+    os.kill(doomed.helper.process.pid, signal.SIGKILL)
+    found = doomed.in_order(lift, [(number,) for number in range(3)], (Heavy(2),))
+    assert found == [(0, os.getpid()), (2, os.getpid()), (4, os.getpid())]
 
 
 def test_a_process_that_is_lost_half_way_costs_no_result(doomed):
