@@ -117,18 +117,22 @@ class Flight:
 class Recorder:
     """The rows of a flight while it is flown, in memory that is set aside before: no object of a step outlives it."""
 
-    __slots__ = ("_count", "_rows")
+    __slots__ = ("_bytes", "_count", "_rows")
 
     def __init__(self) -> None:
-        self._rows = np.empty(SET_ASIDE, ROW)
         self._count = 0
+        self._set_aside(np.empty(SET_ASIDE, ROW))
+
+    def _set_aside(self, rows: np.ndarray) -> None:
+        self._rows, self._bytes = rows, rows.data
 
     def add(self, state: AircraftState, command: Command, leg: int, phase: int) -> None:
         """One record of plain numbers."""
-        if self._count == len(self._rows):
-            self._rows = np.concatenate((self._rows, np.empty_like(self._rows)))
-        PLAIN.pack_into(self._rows.data, self._count * PLAIN.size, *state, *command, leg, phase)
-        self._count += 1
+        count = self._count
+        if count == len(self._rows):
+            self._set_aside(np.concatenate((self._rows, np.empty_like(self._rows))))
+        PLAIN.pack_into(self._bytes, count * PLAIN.size, *state, *command, leg, phase)
+        self._count = count + 1
 
     def columns(self) -> tuple[AircraftState, Command, np.ndarray, np.ndarray]:
         """State, command, leg and phase of arrays (k,)."""
