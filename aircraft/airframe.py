@@ -30,6 +30,7 @@ from aircraft.wind import SteadyWind
 FASTEST = 340.0  # m/s; no aircraft of ours comes down faster
 HIGHEST_WHEEL = 30.0  # m; above, no part of any aircraft can touch level ground
 UNTOLD_FLAPS = math.radians(40.0)  # full deflection of a model that gives only its share
+MOTION = slice(AircraftState._fields.index("north"), AircraftState._fields.index("airspeed") + 1)
 _NEW = tuple.__new__  # an AircraftState from a tuple of its fields at half the time of its own constructor
 
 
@@ -234,51 +235,50 @@ class Airframe:
 
     def read(self) -> AircraftState:
         """The state now; raises ``FlightError`` with the last good one when a number is not finite."""
-        values = [get() for get in self._seen]
-        time, latitude, longitude, height, north, east, down, bank, pitch, heading, p, q, r, speed, *rest = values
-        equivalent, alpha, beta, forward, right, downward, flaps, gear = rest
-        if not math.isfinite(latitude + longitude + height + north + east + down + bank + p + q + r + speed):
-            raise FlightError(f"the motion is not finite at {time:.2f} s", time, self._last)
-        scale = self._specific_force
+        time, latitude, longitude, altitude, north, east, down, bank, pitch, heading, p, q, r, *others = self._seen
+        airspeed, equivalent, alpha, beta, forward, right, downward, flaps, gear = others
         aileron, elevator, rudder, throttle, _, _ = self._controls
-        wheels, above = 0.0, height * FOOT - self._elevation
-        if above < HIGHEST_WHEEL:
+        scale = self._specific_force
+        wheels, height = 0.0, altitude() * FOOT - self._elevation
+        if height < HIGHEST_WHEEL:
             for wheel in self._main_wheels:
                 wheels += wheel()
         state = _NEW(
             AircraftState,
             (
-                time,
-                latitude * EARTH_RADIUS,
-                longitude * EARTH_RADIUS,
-                above,
-                north * FOOT,
-                east * FOOT,
-                -down * FOOT,
-                bank,
-                pitch,
-                heading,
-                p,
-                q,
-                r,
-                speed * FOOT,
-                equivalent * FOOT,
-                alpha,
-                beta,
-                forward * scale,
-                right * scale,
-                downward * scale,
+                time(),
+                latitude() * EARTH_RADIUS,
+                longitude() * EARTH_RADIUS,
+                height,
+                north() * FOOT,
+                east() * FOOT,
+                -down() * FOOT,
+                bank(),
+                pitch(),
+                heading(),
+                p(),
+                q(),
+                r(),
+                airspeed() * FOOT,
+                equivalent() * FOOT,
+                alpha(),
+                beta(),
+                forward() * scale,
+                right() * scale,
+                downward() * scale,
                 aileron,
                 elevator,
                 rudder,
                 throttle,
-                flaps * self._flaps_factor,
-                gear,
+                flaps() * self._flaps_factor,
+                gear(),
                 wheels / self._main_wheel_count,
                 float(self._first_contact),
                 float(self._touched),
             ),
         )
+        if not math.isfinite(sum(state[MOTION])):
+            raise FlightError(f"the motion is not finite at {state.time:.2f} s", state.time, self._last)
         self._last = state
         return state
 
