@@ -106,6 +106,7 @@ class Airframe:
         self._brakes = [setter(manager, wanted) for wanted in properties.BRAKES]
         self._steer = setter(manager, properties.STEERING)
         self._wind = [setter(manager, wanted) for wanted in properties.WIND]
+        self._blowing: SteadyWind | None = None  # what the model was told last and keeps
         self._settle: Callable[[], None] | None = None
         self._controls = Controls(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
         self._last: AircraftState | None = None
@@ -176,7 +177,7 @@ class Airframe:
             raise FlightError(f"the model cannot begin a flight: {sentence([str(error)])}") from None
         self._executive.set_trim_status(False)
         self._specific_force = properties.POUND_PER_SLUG / self._mass()
-        self._last = None
+        self._last = self._blowing = None
         return self.read()
 
     def step(self, controls: Controls, substeps: int, wind: Wind | None = None) -> None:
@@ -184,37 +185,37 @@ class Airframe:
 
         Within one call the wind sees the position and airspeed of its beginning.
         """
-        try:
-            self._fly(controls, substeps, wind)
-        except jsbsim.BaseError as error:
-            raise FlightError(f"the model gives up: {sentence([str(error)])}") from None
-
-    def _fly(self, controls: Controls, substeps: int, wind: Wind | None) -> None:
         self._has_flown = True
-        self._command(controls)
+        time, latitude, longitude, altitude = self._seen[:4]
+        height = altitude() * FOOT - self._elevation
         # far from the ground the contacts cost a quarter of a step and give nothing
-        near = not self._seen[3]() * FOOT - self._elevation > self._reach + FASTEST * substeps / self.rate
-        if self._set_ground is not None and near is not self._ground:
+        near = not height > self._reach + FASTEST * substeps / self.rate
+        if near is not self._ground and self._set_ground is not None:
             self._set_ground(float(near))
             self._ground = near
         last = self._last
         run = self._run if last is None or last.height > HIGHEST_WHEEL else self._run_and_feel
-        if wind is None:
-            for _ in range(substeps):
-                run()
-            return
-        if isinstance(wind, SteadyWind):
-            self._blow(*wind)
-            for _ in range(substeps):
-                run()
-            return
-        time, latitude, longitude, height = (get() for get in self._seen[:4])
-        position = (latitude * EARTH_RADIUS, longitude * EARTH_RADIUS, height * FOOT - self._elevation)
-        airspeed = self._seen[13]() * FOOT
-        blow, velocity = self._blow, wind.velocity
-        for substep in range(substeps):
-            blow(*velocity(time + substep / self.rate, position, airspeed))
-            run()
+        try:
+            self._command(controls)
+            if wind is None or wind is self._blowing:
+                for _ in range(substeps):
+                    run()
+            elif isinstance(wind, SteadyWind):
+                self._blow(*wind)
+                self._blowing = wind
+                for _ in range(substeps):
+                    run()
+            else:
+                self._blowing = None
+                began, rate = time(), self.rate
+                position = (latitude() * EARTH_RADIUS, longitude() * EARTH_RADIUS, height)
+                airspeed = self._seen[13]() * FOOT
+                blow, velocity = self._blow, wind.velocity
+                for substep in range(substeps):
+                    blow(*velocity(began + substep / rate, position, airspeed))
+                    run()
+        except jsbsim.BaseError as error:
+            raise FlightError(f"the model gives up: {sentence([str(error)])}") from None
 
     def _run_and_feel(self) -> None:
         """One step near the ground: two parts that touch it between two records do so in their order."""
@@ -303,8 +304,8 @@ class Airframe:
         set_rudder(-rudder)
         for set_throttle in self._throttles:
             set_throttle(throttle)
-        last = self._controls
-        if flaps != last.flaps or gear != last.gear or not self._has_flown:  # levers are moved a few times a flight
+        *_, last_flaps, last_gear = self._controls
+        if flaps != last_flaps or gear != last_gear or not self._has_flown:  # levers are moved a few times a flight
             self._set_flaps(flaps / self.full_flaps if self.full_flaps else 0.0)
             self._set_gear(gear)
         self._controls = controls
