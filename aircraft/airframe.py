@@ -31,6 +31,7 @@ FASTEST = 340.0  # m/s; no aircraft of ours comes down faster
 HIGHEST_WHEEL = 30.0  # m; above, no part of any aircraft can touch level ground
 UNTOLD_FLAPS = math.radians(40.0)  # full deflection of a model that gives only its share
 MOTION = slice(AircraftState._fields.index("north"), AircraftState._fields.index("airspeed") + 1)
+ALTITUDE, AIRSPEED = (AircraftState._fields.index(name) for name in ("height", "airspeed"))
 _NEW = tuple.__new__  # an AircraftState from a tuple of its fields at half the time of its own constructor
 
 
@@ -93,6 +94,7 @@ class Airframe:
         self._main_wheels = [weight for weight, part in self._contacts if part == MAIN_WHEEL]
         self._main_wheel_count = max(len(self._main_wheels), 1)
         self._first_contact = self._touched = 0
+        self._contact = (0.0, 0.0)  # the same as a state shows them
         ground = manager.get_node(properties.GROUND_REACTIONS, False)  # JSBSim 1.3.1 cannot leave them out
         self._reach = math.inf if ground is None else reach
         self._set_ground = None if ground is None else ground.set_double_value
@@ -117,6 +119,7 @@ class Airframe:
             self._settle = started(executive)
         self._seen = [getter(manager, wanted) for wanted in (*properties.STATE, *properties.FORCES)]
         self._seen += [flaps, getter(manager, properties.GEAR)]
+        self._altitude = self._seen[ALTITUDE]
 
     @property
     def mass(self) -> float:
@@ -186,15 +189,13 @@ class Airframe:
         Within one call the wind sees the position and airspeed of its beginning.
         """
         self._has_flown = True
-        time, latitude, longitude, altitude = self._seen[:4]
-        height = altitude() * FOOT - self._elevation
+        height = self._altitude() * FOOT - self._elevation
         # far from the ground the contacts cost a quarter of a step and give nothing
         near = not height > self._reach + FASTEST * substeps / self.rate
         if near is not self._ground and self._set_ground is not None:
             self._set_ground(float(near))
             self._ground = near
-        last = self._last
-        run = self._run if last is None or last.height > HIGHEST_WHEEL else self._run_and_feel
+        run = self._run if height > HIGHEST_WHEEL else self._run_and_feel
         try:
             self._command(controls)
             if wind is None or wind is self._blowing:
@@ -207,9 +208,10 @@ class Airframe:
                     run()
             else:
                 self._blowing = None
+                time, latitude, longitude = self._seen[:3]
                 began, rate = time(), self.rate
                 position = (latitude() * EARTH_RADIUS, longitude() * EARTH_RADIUS, height)
-                airspeed = self._seen[13]() * FOOT
+                airspeed = self._seen[AIRSPEED]() * FOOT
                 blow, velocity = self._blow, wind.velocity
                 for substep in range(substeps):
                     blow(*velocity(began + substep / rate, position, airspeed))
@@ -226,6 +228,7 @@ class Airframe:
                 touching |= part
         self._first_contact = self._first_contact or touching
         self._touched |= touching
+        self._contact = (float(self._first_contact), float(self._touched))
 
     def set_wheels(self, wheels: WheelControls) -> None:
         """Brakes and steering from now on."""
@@ -239,6 +242,7 @@ class Airframe:
         time, latitude, longitude, altitude, north, east, down, bank, pitch, heading, p, q, r, *others = self._seen
         airspeed, equivalent, alpha, beta, forward, right, downward, flaps, gear = others
         aileron, elevator, rudder, throttle, _, _ = self._controls
+        first_contact, touched = self._contact
         scale = self._specific_force
         wheels, height = 0.0, altitude() * FOOT - self._elevation
         if height < HIGHEST_WHEEL:
@@ -274,8 +278,8 @@ class Airframe:
                 flaps() * self._flaps_factor,
                 gear(),
                 wheels / self._main_wheel_count,
-                float(self._first_contact),
-                float(self._touched),
+                first_contact,
+                touched,
             ),
         )
         if not math.isfinite(sum(state[MOTION])):

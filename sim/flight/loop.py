@@ -55,7 +55,8 @@ def fly(
     number = 0
     verdict = None
     while verdict is None:
-        near_ground = state.height < NEAR_GROUND
+        height = state.height
+        near_ground = height < NEAR_GROUND
         pilot, command = pilot_step(pilot, seen, half if near_ground else RECORD_STEP)
         if seen is not state:
             command = _as_seen(command, state, seen)
@@ -67,7 +68,7 @@ def fly(
         if pilot.phase != phase:
             phase = pilot.phase
             events.append(Event(state.time, phases[phase]))
-        if number % MONITORED == 0 or state.height < LOW or state.time >= last or pilot.finished:
+        if number % MONITORED == 0 or height < LOW or state.time >= last or pilot.finished:
             verdict = monitor(state, pilot.leg, pilot.finished)
         try:
             if near_ground:
