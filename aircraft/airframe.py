@@ -30,6 +30,8 @@ from aircraft.wind import SteadyWind
 FASTEST = 340.0  # m/s; no aircraft of ours comes down faster
 HIGHEST_WHEEL = 30.0  # m; above, no part of any aircraft can touch level ground
 UNTOLD_FLAPS = math.radians(40.0)  # full deflection of a model that gives only its share
+MOTION = slice(AircraftState._fields.index("north"), AircraftState._fields.index("airspeed") + 1)
+ALTITUDE, AIRSPEED = (AircraftState._fields.index(name) for name in ("height", "airspeed"))
 _NEW = tuple.__new__  # an AircraftState from a tuple of its fields at half the time of its own constructor
 
 
@@ -92,6 +94,7 @@ class Airframe:
         self._main_wheels = [weight for weight, part in self._contacts if part == MAIN_WHEEL]
         self._main_wheel_count = max(len(self._main_wheels), 1)
         self._first_contact = self._touched = 0
+        self._contact = (0.0, 0.0)  # the same as a state shows them
         ground = manager.get_node(properties.GROUND_REACTIONS, False)  # JSBSim 1.3.1 cannot leave them out
         self._reach = math.inf if ground is None else reach
         self._set_ground = None if ground is None else ground.set_double_value
@@ -105,6 +108,7 @@ class Airframe:
         self._brakes = [setter(manager, wanted) for wanted in properties.BRAKES]
         self._steer = setter(manager, properties.STEERING)
         self._wind = [setter(manager, wanted) for wanted in properties.WIND]
+        self._blowing: SteadyWind | None = None  # what the model was told last and keeps
         self._settle: Callable[[], None] | None = None
         self._controls = Controls(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
         self._last: AircraftState | None = None
@@ -115,6 +119,7 @@ class Airframe:
             self._settle = started(executive)
         self._seen = [getter(manager, wanted) for wanted in (*properties.STATE, *properties.FORCES)]
         self._seen += [flaps, getter(manager, properties.GEAR)]
+        self._altitude = self._seen[ALTITUDE]
 
     @property
     def mass(self) -> float:
@@ -175,7 +180,7 @@ class Airframe:
             raise FlightError(f"the model cannot begin a flight: {sentence([str(error)])}") from None
         self._executive.set_trim_status(False)
         self._specific_force = properties.POUND_PER_SLUG / self._mass()
-        self._last = None
+        self._last = self._blowing = None
         return self.read()
 
     def step(self, controls: Controls, substeps: int, wind: Wind | None = None) -> None:
@@ -183,37 +188,36 @@ class Airframe:
 
         Within one call the wind sees the position and airspeed of its beginning.
         """
-        try:
-            self._fly(controls, substeps, wind)
-        except jsbsim.BaseError as error:
-            raise FlightError(f"the model gives up: {sentence([str(error)])}") from None
-
-    def _fly(self, controls: Controls, substeps: int, wind: Wind | None) -> None:
         self._has_flown = True
-        self._command(controls)
+        height = self._altitude() * FOOT - self._elevation
         # far from the ground the contacts cost a quarter of a step and give nothing
-        near = not self._seen[3]() * FOOT - self._elevation > self._reach + FASTEST * substeps / self.rate
-        if self._set_ground is not None and near is not self._ground:
+        near = not height > self._reach + FASTEST * substeps / self.rate
+        if near is not self._ground and self._set_ground is not None:
             self._set_ground(float(near))
             self._ground = near
-        last = self._last
-        run = self._run if last is None or last.height > HIGHEST_WHEEL else self._run_and_feel
-        if wind is None:
-            for _ in range(substeps):
-                run()
-            return
-        if isinstance(wind, SteadyWind):
-            self._blow(*wind)
-            for _ in range(substeps):
-                run()
-            return
-        time, latitude, longitude, height = (get() for get in self._seen[:4])
-        position = (latitude * EARTH_RADIUS, longitude * EARTH_RADIUS, height * FOOT - self._elevation)
-        airspeed = self._seen[13]() * FOOT
-        blow, velocity = self._blow, wind.velocity
-        for substep in range(substeps):
-            blow(*velocity(time + substep / self.rate, position, airspeed))
-            run()
+        run = self._run if height > HIGHEST_WHEEL else self._run_and_feel
+        try:
+            self._command(controls)
+            if wind is None or wind is self._blowing:
+                for _ in range(substeps):
+                    run()
+            elif isinstance(wind, SteadyWind):
+                self._blow(*wind)
+                self._blowing = wind
+                for _ in range(substeps):
+                    run()
+            else:
+                self._blowing = None
+                time, latitude, longitude = self._seen[:3]
+                began, rate = time(), self.rate
+                position = (latitude() * EARTH_RADIUS, longitude() * EARTH_RADIUS, height)
+                airspeed = self._seen[AIRSPEED]() * FOOT
+                blow, velocity = self._blow, wind.velocity
+                for substep in range(substeps):
+                    blow(*velocity(began + substep / rate, position, airspeed))
+                    run()
+        except jsbsim.BaseError as error:
+            raise FlightError(f"the model gives up: {sentence([str(error)])}") from None
 
     def _run_and_feel(self) -> None:
         """One step near the ground: two parts that touch it between two records do so in their order."""
@@ -224,6 +228,7 @@ class Airframe:
                 touching |= part
         self._first_contact = self._first_contact or touching
         self._touched |= touching
+        self._contact = (float(self._first_contact), float(self._touched))
 
     def set_wheels(self, wheels: WheelControls) -> None:
         """Brakes and steering from now on."""
@@ -234,51 +239,51 @@ class Airframe:
 
     def read(self) -> AircraftState:
         """The state now; raises ``FlightError`` with the last good one when a number is not finite."""
-        values = [get() for get in self._seen]
-        time, latitude, longitude, height, north, east, down, bank, pitch, heading, p, q, r, speed, *rest = values
-        equivalent, alpha, beta, forward, right, downward, flaps, gear = rest
-        if not math.isfinite(latitude + longitude + height + north + east + down + bank + p + q + r + speed):
-            raise FlightError(f"the motion is not finite at {time:.2f} s", time, self._last)
-        scale = self._specific_force
+        time, latitude, longitude, altitude, north, east, down, bank, pitch, heading, p, q, r, *others = self._seen
+        airspeed, equivalent, alpha, beta, forward, right, downward, flaps, gear = others
         aileron, elevator, rudder, throttle, _, _ = self._controls
-        wheels, above = 0.0, height * FOOT - self._elevation
-        if above < HIGHEST_WHEEL:
+        first_contact, touched = self._contact
+        scale = self._specific_force
+        wheels, height = 0.0, altitude() * FOOT - self._elevation
+        if height < HIGHEST_WHEEL:
             for wheel in self._main_wheels:
                 wheels += wheel()
         state = _NEW(
             AircraftState,
             (
-                time,
-                latitude * EARTH_RADIUS,
-                longitude * EARTH_RADIUS,
-                above,
-                north * FOOT,
-                east * FOOT,
-                -down * FOOT,
-                bank,
-                pitch,
-                heading,
-                p,
-                q,
-                r,
-                speed * FOOT,
-                equivalent * FOOT,
-                alpha,
-                beta,
-                forward * scale,
-                right * scale,
-                downward * scale,
+                time(),
+                latitude() * EARTH_RADIUS,
+                longitude() * EARTH_RADIUS,
+                height,
+                north() * FOOT,
+                east() * FOOT,
+                -down() * FOOT,
+                bank(),
+                pitch(),
+                heading(),
+                p(),
+                q(),
+                r(),
+                airspeed() * FOOT,
+                equivalent() * FOOT,
+                alpha(),
+                beta(),
+                forward() * scale,
+                right() * scale,
+                downward() * scale,
                 aileron,
                 elevator,
                 rudder,
                 throttle,
-                flaps * self._flaps_factor,
-                gear,
+                flaps() * self._flaps_factor,
+                gear(),
                 wheels / self._main_wheel_count,
-                float(self._first_contact),
-                float(self._touched),
+                first_contact,
+                touched,
             ),
         )
+        if not math.isfinite(sum(state[MOTION])):
+            raise FlightError(f"the motion is not finite at {state.time:.2f} s", state.time, self._last)
         self._last = state
         return state
 
@@ -303,8 +308,8 @@ class Airframe:
         set_rudder(-rudder)
         for set_throttle in self._throttles:
             set_throttle(throttle)
-        last = self._controls
-        if flaps != last.flaps or gear != last.gear or not self._has_flown:  # levers are moved a few times a flight
+        *_, last_flaps, last_gear = self._controls
+        if flaps != last_flaps or gear != last_gear or not self._has_flown:  # levers are moved a few times a flight
             self._set_flaps(flaps / self.full_flaps if self.full_flaps else 0.0)
             self._set_gear(gear)
         self._controls = controls

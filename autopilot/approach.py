@@ -30,6 +30,7 @@ POSITIVE = (
     *("height_time", "level_acceleration", "level_change_angle"),
 )
 FROM_HERE = (FLARE, GO_AROUND)  # phases whose path begins where the aircraft is
+TO_HEADING = slice(AircraftState._fields.index("heading") + 1)
 ESTABLISHED_TRACK = math.radians(5.0)  # a turn or an intercept is over within this of the course
 ESTABLISHED_CROSS_TRACK = 100.0  # m
 SPEED_SETTLING = 4.0  # s, by which a new speed is ordered earlier than its ramp needs
@@ -139,32 +140,30 @@ class Approach:
 
     def deviation(self, leg: int, state: AircraftState) -> PathDeviation:
         """Deviation of an aircraft from a leg."""
-        return self.route.deviation(
-            leg, (state.north, state.east), (state.velocity_north, state.velocity_east), state.heading
-        )
+        _, north, east, _, velocity_north, velocity_east, _, _, _, heading = state[TO_HEADING]
+        return self.route.deviation_at(leg, north, east, velocity_north, velocity_east, heading)
 
     def step(self, s: ApproachState, state: AircraftState, dt: float) -> tuple[ApproachState, Command]:
         """Command for the next ``dt`` seconds from what the aircraft does now."""
         phase, leg, bank, airspeed, height, climb_rate, crab, aligned, gate, lowest, finished = s
-        velocity_north, velocity_east = state.velocity_north, state.velocity_east
-        route = self.route
-        deviation = route.deviation(leg, (state.north, state.east), (velocity_north, velocity_east), state.heading)
-        if deviation.distance_to_go < self._reach[leg]:
+        legs, deviation = self.route.legs, self.deviation(leg, state)
+        to_go = deviation.distance_to_go
+        if to_go < self._reach[leg]:
             leg, phase, deviation = self._sequenced(leg, phase, deviation, state)
+            to_go = deviation.distance_to_go
         if phase in TURNING and _established(deviation):
-            phase = _phase_of(leg, route, LEG_PHASE, DOWNWIND)
-        if leg == len(route.legs) - 1:
+            phase = _phase_of(leg, self.route, LEG_PHASE, DOWNWIND)
+        if leg == len(legs) - 1:
             if self.landing is not None:
                 phase, gate, lowest, finished = self._landing_phase(self.landing, s, phase, state, deviation, dt)
-            elif deviation.distance_to_go < 0.0:
+            elif to_go < 0.0:
                 finished = "completed"
 
-        to_go = deviation.distance_to_go
-        slope, level = 0.0, route.legs[leg].height
+        slope, level = 0.0, legs[leg].height
         if phase > FINAL or climb_rate != 0.0 or height != level:
             if phase != s.phase and phase in FROM_HERE:
                 height, climb_rate = state.height, state.velocity_up
-            over_ground = math.hypot(velocity_north, velocity_east)
+            over_ground = math.hypot(state.velocity_north, state.velocity_east)
             if phase == GO_AROUND and self.landing is not None:
                 level = max(level, lowest + CLIMB_AWAY * self.landing.regained_height)
             allowed = math.inf

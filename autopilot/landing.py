@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Annotated
 
 from aircraft.state import STANDARD_GRAVITY
@@ -52,7 +53,7 @@ class Landing:
         if self.glide_path > math.radians(10.0):
             raise ValueError(f"a glide path of {math.degrees(self.glide_path):.1f} deg is too steep: at most 10 deg")
 
-    @property
+    @cached_property
     def slope(self) -> float:
         """Tangent of the glide path."""
         return math.tan(self.glide_path)
@@ -75,22 +76,22 @@ class Landing:
             return distance * slope, -slope
         return level - slope * into * into / (2.0 * bend), -slope * into / bend
 
-    @property
+    @cached_property
     def threshold_speed(self) -> float:
         """Airspeed, m/s, over the threshold: what the approach was flown faster than the reference speed is gone."""
         return min(REFERENCE_MARGIN * self.stall_speed, self.approach_speed)
 
-    @property
+    @cached_property
     def touchdown_speed(self) -> float:
         """Airspeed, m/s, down to which a flare is slowed: the angle of attack that it takes raises the nose."""
         return min(TOUCHDOWN_MARGIN * self.stall_speed, self.threshold_speed)
 
-    @property
+    @cached_property
     def touchdown_sink(self) -> float:
         """Sink, m/s, with which the flare meets the runway: every aircraft at the same angle, from the same margin."""
         return TOUCHDOWN_ANGLE * self.threshold_speed
 
-    @property
+    @cached_property
     def flare_deceleration(self) -> float:
         """Deceleration, m/s2, that takes a flare from ``threshold_speed`` to ``touchdown_speed``.
 

@@ -152,8 +152,14 @@ class Route:
         ``position`` and ``velocity`` start with their north and east components, floats or arrays of shape (*B).
         """
         north, east, velocity_north, velocity_east = position[0], position[1], velocity[0], velocity[1]
-        if not (isinstance(leg, int) and isinstance(north, float)):
-            return self._deviations(leg, north, east, velocity_north, velocity_east, heading)
+        if isinstance(leg, int) and isinstance(north, float):
+            return self.deviation_at(leg, north, east, velocity_north, velocity_east, heading)
+        return self._deviations(leg, north, east, velocity_north, velocity_east, heading)
+
+    def deviation_at(
+        self, leg: int, north: float, east: float, velocity_north: float, velocity_east: float, heading: float | None
+    ) -> PathDeviation:
+        """Deviation of one point, as the autopilot asks for it at every step."""
         end_north, end_east, along_north, along_east, course = self._lines[leg]
         north -= end_north
         east -= end_east

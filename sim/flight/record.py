@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import struct
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -14,6 +15,18 @@ from autopilot.route import ArrayDeviation, PathDeviation, Route
 
 RECORD_STEP = 1.0 / 30.0  # s, of the record and of the autopilot
 UNKNOWN = "unknown"  # outcome of a flight that only plots tell of: its motion is NaN
+
+
+ROW = np.dtype(
+    [
+        ("state", np.float64, len(AircraftState._fields)),
+        ("command", np.float64, len(Command._fields)),
+        ("leg", np.int64),
+        ("phase", np.int64),
+    ]
+)
+PLAIN = struct.Struct(f"={len(AircraftState._fields) + len(Command._fields)}d2q")  # the same
+SET_ASIDE = 36_000  # rows, 20 minutes; memory that is never written costs nothing
 
 
 class Event(NamedTuple):
@@ -99,6 +112,33 @@ class Flight:
         if "gate" in wanted and self.gate_height is not None:
             flown |= self.during("glide") & (self.state.height <= self.gate_height)
         return flown
+
+
+class Recorder:
+    """The rows of a flight while it is flown, in memory that is set aside before: no object of a step outlives it."""
+
+    __slots__ = ("_bytes", "_count", "_rows")
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._set_aside(np.empty(SET_ASIDE, ROW))
+
+    def _set_aside(self, rows: np.ndarray) -> None:
+        self._rows, self._bytes = rows, rows.data
+
+    def add(self, state: AircraftState, command: Command, leg: int, phase: int) -> None:
+        """One record of plain numbers."""
+        count = self._count
+        if count == len(self._rows):
+            self._set_aside(np.concatenate((self._rows, np.empty_like(self._rows))))
+        PLAIN.pack_into(self._bytes, count * PLAIN.size, *state, *command, leg, phase)
+        self._count = count + 1
+
+    def columns(self) -> tuple[AircraftState, Command, np.ndarray, np.ndarray]:
+        """State, command, leg and phase of arrays (k,)."""
+        rows = self._rows[: self._count]
+        state, command, leg, phase = (rows[name].copy() for name in ("state", "command", "leg", "phase"))
+        return AircraftState(*state.T), Command(*command.T), leg, phase
 
 
 def _joined(first: Any, second: Any) -> np.ndarray:
