@@ -30,7 +30,7 @@ scenario would write, without ``kind``; its contract is tried with that.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -80,26 +80,36 @@ class Measurements:
         candidates = None if self.candidates is None else self.candidates[..., chosen]
         return Measurements(self.channels, self.time, self.arrival, self.z[..., chosen], R, candidates)
 
+    def rows(self, chosen: slice) -> Measurements:
+        """The measurements of some epochs: views of a record that was checked when it was made."""
+        part = object.__new__(Measurements)
+        for field in fields(self):
+            whole = getattr(self, field.name)
+            kept = whole if field.name == "channels" or whole is None else whole[chosen]
+            object.__setattr__(part, field.name, kept)
+        return part
+
 
 def _check_covariances(record: Measurements) -> None:
     """Raise ``ValueError`` where R is not the covariance of what was measured."""
     R, m = np.asarray(record.R, dtype=float), len(record.channels)
-    plots = np.asarray(record.z) if record.candidates is None else np.asarray(record.candidates)
-    present = ~np.isnan(plots)
-    present = present if record.candidates is None else present.any(axis=1)
-    shared = R.ndim < present.ndim + 1 or R.shape[3:] != present.shape[2:]
-    present = present.any(axis=tuple(range(2, present.ndim))) if shared else present  # in any run
-    said = lift(present[:, :, None] & present[:, None], 3, R.ndim - 3) > 0.0  # (k, m, m, *C) both were measured
-    bad = said & ~np.isfinite(R)
-    if bad.any():
-        row, i = np.argwhere(bad)[0][:2]
-        raise ValueError(f"R of '{record.channels[i]}' is not finite at {record.time[row]:g} s, where it was measured")
+    said = None if np.isfinite(np.sum(R)) else _said(record, R)  # the usual case, cheaply
+    if said is not None:
+        bad = said & ~np.isfinite(R)
+        if bad.any():
+            row, i = np.argwhere(bad)[0][:2]
+            raise ValueError(
+                f"R of '{record.channels[i]}' is not finite at {record.time[row]:g} s, where it was measured"
+            )
     pairs: Any = 0  # of channels that are correlated
     for i in range(m):
         _require(not (R[:, i, i] < 0.0).any(), f"the variance of '{record.channels[i]}' is negative")
         for j in range(i):
-            upper, lower, both = R[:, j, i], R[:, i, j], said[:, i, j]
-            scale = np.sqrt(np.abs(R[:, i, i])) * np.sqrt(np.abs(R[:, j, j]))
+            upper, lower = R[:, j, i], R[:, i, j]
+            if not (upper.any() or lower.any()):
+                continue
+            said = _said(record, R) if said is None else said
+            both, scale = said[:, i, j], np.sqrt(np.abs(R[:, i, i])) * np.sqrt(np.abs(R[:, j, j]))
             _require(not (both & (np.abs(upper - lower) > 1e-9 * scale)).any(), "R is not symmetric")
             excess = np.abs(upper) > (1.0 + 1e-9) * scale
             _require(not (both & excess).any(), "R is not a covariance: a correlation exceeds 1")
@@ -111,6 +121,16 @@ def _check_covariances(record: Measurements) -> None:
         correlation = matrices / scale[:, None] / scale[:, :, None]
         negative = np.linalg.eigvalsh(correlation).min() < -1e-9
         _require(not negative, "R is not a covariance: it is negative in some direction")
+
+
+def _said(record: Measurements, R: Any) -> Any:
+    """Whether both channels of an entry of R were measured (k, m, m, *C), in any of the runs that share it."""
+    plots = np.asarray(record.z) if record.candidates is None else np.asarray(record.candidates)
+    present = ~np.isnan(plots)
+    present = present if record.candidates is None else present.any(axis=1)
+    shared = R.ndim < present.ndim + 1 or R.shape[3:] != present.shape[2:]
+    present = present.any(axis=tuple(range(2, present.ndim))) if shared else present
+    return lift(present[:, :, None] & present[:, None], 3, R.ndim - 3) > 0.0
 
 
 class Track(NamedTuple):

@@ -331,10 +331,8 @@ def _first(flight: Flight, start: float) -> float:
 def _between(record: Measurements, first: float, last: float) -> Measurements:
     """What arrives from ``first`` to ``last`` (s): views, since a record is in order of arrival."""
     arrival = record.arrival
-    kept = slice(int(np.searchsorted(arrival, first, "left")), int(np.searchsorted(arrival, last, "right")))
-    candidates = None if record.candidates is None else record.candidates[kept]
-    return Measurements(
-        record.channels, record.time[kept], record.arrival[kept], record.z[kept], record.R[kept], candidates
+    return record.rows(
+        slice(int(np.searchsorted(arrival, first, "left")), int(np.searchsorted(arrival, last, "right")))
     )
 
 
