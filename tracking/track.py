@@ -22,8 +22,8 @@ it: a channel beyond `FARTHEST` is taken for absent, and an update that leaves n
 instant - is not made, the run goes on by its prediction.
 
 What a tracker may say besides, each read in one place: ``modes`` (`modes_of`), ``intents`` and ``switched``
-(`intents_of`), ``steer`` (`TimeStamped`). Trackers that differ in nothing but ``law`` are run as one, their laws
-stacked over the runs. A kind whose fields have no usable defaults says in ``example: ClassVar[dict[str, Any]]`` what a
+(`intents_of`), ``steer`` (`TimeStamped`), ``per_run`` (`per_run_of`). Trackers that differ in nothing but ``law`` and
+what is ``per_run`` are run as one, these stacked over the runs. A kind whose fields have no usable defaults says in ``example: ClassVar[dict[str, Any]]`` what a
 scenario would write, without ``kind``; its contract is tried with that.
 """
 
@@ -213,6 +213,11 @@ def intents_of(tracker: Any) -> tuple[str, ...]:
     answers ``switched(probabilities (k, M, *B), dt (k, 1, 1) s)``: what they are dt later before anything is measured.
     """
     return tuple(getattr(tracker, "intents", ()))
+
+
+def per_run_of(tracker: Any) -> dict[str, str]:
+    """Fields of a tracker that may be an array with one value per run, and the member that tells the value of each."""
+    return dict(getattr(tracker, "per_run", {}))
 
 
 class TrackerError(ValueError):

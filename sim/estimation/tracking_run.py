@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.errors import ScenarioError
-from sim.estimation.batching import can_batch, repeat_runs, split_track, stack_laws
+from sim.estimation.batching import can_batch, repeat_runs, split_track, stack_trackers
 from sim.estimation.look_ahead import LookAhead, Looks, instants_of, look_ahead_rmse
 from sim.estimation.prior import prior
 from sim.estimation.setup import adopt, build, height_profile, listened
@@ -169,7 +169,7 @@ def run_group(watch: Watch, record: Measurements, group: list[Entry]) -> list[Ou
     else:
         seen = places(watch.prepared, sensors, measurements(watch.records, first.sensors))
         ahead = PredictedPlots(trackers, record.arrival, seen)
-    one = stack_laws(trackers, record.z.shape[2])
+    one = stack_trackers(trackers, record.z.shape[2])
     try:
         made = run_tracker(one, *repeat_runs(record, begun, len(group)), first.start, ahead)
         draws = record.z.shape[2] * len(group)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -51,6 +51,7 @@ class LinearFeedback:
     measurement: Annotated[MeasurementModel, "given"]
     acceleration_density: Annotated[float, "m2/s3"] = 1000.0  # docs/densities.md
     sub_step: Annotated[float, "s"] = SUB_STEP
+    per_run: ClassVar[dict[str, str]] = {"acceleration_density": "acceleration_density"}
 
     def __post_init__(self) -> None:
         check_tuning(self.acceleration_density, self.sub_step)
