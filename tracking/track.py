@@ -23,8 +23,8 @@ instant - is not made, the run goes on by its prediction.
 
 What a tracker may say besides, each read in one place: ``modes`` (`modes_of`), ``intents`` and ``switched``
 (`intents_of`), ``steer`` (`TimeStamped`), ``per_run`` (`per_run_of`). Trackers that differ in nothing but ``law`` and
-what is ``per_run`` are run as one, these stacked over the runs. A kind whose fields have no usable defaults says in ``example: ClassVar[dict[str, Any]]`` what a
-scenario would write, without ``kind``; its contract is tried with that.
+what is ``per_run`` are run as one, these stacked over the runs. A kind whose fields have no usable defaults says in
+``example: ClassVar[dict[str, Any]]`` what a scenario would write, without ``kind``; its contract is tried with that.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class Measurements:
 def _check_covariances(record: Measurements) -> None:
     """Raise ``ValueError`` where R is not the covariance of what was measured."""
     R, m = np.asarray(record.R, dtype=float), len(record.channels)
-    said = None if np.isfinite(np.sum(R)) else _said(record, R)  # the usual case, cheaply
+    said: Any = None if np.isfinite(np.sum(R)) else _said(record, R)  # the usual case, cheaply
     if said is not None:
         bad = said & ~np.isfinite(R)
         if bad.any():

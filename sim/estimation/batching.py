@@ -22,10 +22,9 @@ def can_batch(one: Any, other: Any) -> bool:
 
     The bank limit must be equal too, because it plans the turns of the route.
     """
-    if type(one) is not type(other) or not dataclasses.is_dataclass(one):
-        return False
-    law, fields = "law" in one.__dataclass_fields__, {*per_run_of(one)} & {*per_run_of(other)}
-    if not (law or fields):
+    members = getattr(one, "__dataclass_fields__", {})
+    law, fields = "law" in members, {*per_run_of(one)} & {*per_run_of(other)}
+    if type(one) is not type(other) or not (law or fields):
         return False
     if law and (type(one.law) is not type(other.law) or one.law.bank_limit != other.law.bank_limit):
         return False
