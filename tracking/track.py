@@ -29,6 +29,7 @@ what is ``per_run`` are run as one, these stacked over the runs. A kind whose fi
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from typing import Any, NamedTuple, Protocol, runtime_checkable
@@ -258,7 +259,7 @@ def taken(tracker: Any, state: Any, dt: float, z: Any, R: Any) -> tuple[Any, Inn
     after, innovation = stepped(tracker, state, dt, z, R)
     estimate = believed(tracker, after)
     said = (*estimate, *(() if innovation is None else innovation[1:]))
-    if all(np.isfinite(np.sum(values)) for values in said):  # the usual case, cheaply
+    if all(math.isfinite(np.add.reduce(values, axis=None)) for values in said):  # the usual case, cheaply
         return after, innovation, None
     batch = np.shape(estimate.mean)[2 if isinstance(estimate, Mixture) else 1 :]
     sound: Any = np.ones(batch, dtype=bool)
