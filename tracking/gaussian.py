@@ -131,7 +131,7 @@ def interact(mixture: Mixture, switching: Array) -> Mixture:
     """
     weights, means, covs = mixture
     joint = lift(switching, 2, weights.ndim - 1) * weights[:, None]  # (from, to, *B)
-    predicted = joint.sum(axis=0)
+    predicted = np.add.reduce(joint)
     if predicted.all():
         joint /= predicted
     else:
@@ -156,11 +156,11 @@ def reweigh(weights: Array, log_likelihood: Array) -> tuple[Array, Array]:
     Erratum: [Volovyk 2022, table 1, step 13] printed the weights before the switching in the numerator, used the
     predicted ones, because only those make the posterior sum to one.
     """
-    best = log_likelihood.max(axis=0)
+    best = np.maximum.reduce(log_likelihood)
     posterior = np.exp(log_likelihood - best)
     posterior *= weights
-    total = posterior.sum(axis=0)
-    if not total.min() > 1e-200:  # the best hypothesis has no weight, or a lost run is NaN
+    total = np.add.reduce(posterior)
+    if not np.minimum.reduce(total, axis=None) > 1e-200:  # the best hypothesis has no weight, or a lost run is NaN
         supported = np.where(weights > 0.0, log_likelihood, -np.inf)
         best = supported.max(axis=0)
         posterior = np.exp(supported - best) * weights
@@ -196,7 +196,7 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
     weights, log_likelihood = reweigh(mixture.weights, each.log_likelihood)
     matched = merge(Mixture(mixture.weights, residual, S))
     white = _forward(_cholesky(matched.cov), matched.mean)
-    innovation = Innovation(white, (white * white).sum(axis=0), log_likelihood)
+    innovation = Innovation(white, np.add.reduce(white * white), log_likelihood)
     posterior = Mixture(weights, conditioned.mean, conditioned.cov)
     if absent is None:
         return posterior, innovation
@@ -206,7 +206,7 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
 def _innovation(L: list[list[Array]], residual: Array) -> Innovation:
     """Whitened residual (m, *B), its square and its log-likelihood, from the factor of the innovation covariance."""
     white = _forward(L, residual)
-    nis = (white * white).sum(axis=0)
+    nis = np.add.reduce(white * white)
     volume = L[0][0]
     for i in range(1, len(L)):
         volume = volume * L[i][i]
@@ -321,7 +321,12 @@ def _mirror(cov: Array) -> Array:
 
 
 def _covers(large: Array, small: Array) -> bool:
-    return bool(large.shape == small.shape or large.shape == np.broadcast_shapes(large.shape, small.shape))
+    """Whether ``small`` broadcasts into the shape of ``large``."""
+    into, shape = large.shape, small.shape
+    if into == shape:
+        return True
+    tail = into[len(into) - len(shape) :]
+    return len(shape) <= len(into) and all(size in (1, whole) for size, whole in zip(shape, tail, strict=True))
 
 
 def _plus(fresh: Array, other: Array) -> Array:

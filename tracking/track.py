@@ -238,7 +238,9 @@ def ask(tracker: Any, member: str, *arguments: Any) -> Any:
 def stepped(tracker: Any, state: Any, dt: float, z: Any = None, R: Any = None) -> tuple[Any, Innovation | None]:
     """``tracker.step``; raises `TrackerError`."""
     answer = ask(tracker, "step", state, dt, z, R)
-    if not (isinstance(answer, tuple) and len(answer) == 2 and isinstance(answer[1], Innovation | None)):
+    if not (
+        isinstance(answer, tuple) and len(answer) == 2 and (answer[1] is None or isinstance(answer[1], Innovation))
+    ):
         raise TrackerError(f"step gives {type(answer).__name__}, not (state, Innovation or None)")
     return answer
 
@@ -246,7 +248,7 @@ def stepped(tracker: Any, state: Any, dt: float, z: Any = None, R: Any = None) -
 def believed(tracker: Any, state: Any) -> Gaussian | Mixture:
     """``tracker.estimate``; raises `TrackerError`."""
     estimate = ask(tracker, "estimate", state)
-    if not isinstance(estimate, Gaussian | Mixture):
+    if not isinstance(estimate, (Gaussian, Mixture)):  # noqa: UP038 - a union is made anew at every call
         raise TrackerError(f"estimate gives {type(estimate).__name__}, not a Gaussian or a Mixture")
     return estimate
 
