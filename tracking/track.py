@@ -248,7 +248,7 @@ def stepped(tracker: Any, state: Any, dt: float, z: Any = None, R: Any = None) -
 def believed(tracker: Any, state: Any) -> Gaussian | Mixture:
     """``tracker.estimate``; raises `TrackerError`."""
     estimate = ask(tracker, "estimate", state)
-    if not isinstance(estimate, (Gaussian, Mixture)):  # noqa: UP038 - a union is made anew at every call
+    if not isinstance(estimate, (Gaussian, Mixture)):
         raise TrackerError(f"estimate gives {type(estimate).__name__}, not a Gaussian or a Mixture")
     return estimate
 
