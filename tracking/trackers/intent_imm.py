@@ -259,10 +259,13 @@ class IntentImm:
         """Every hypothesis of free flight by itself."""
         if self.vectored:
             return predict(gaussian, *transitions(self._vectors.models, dt, gaussian.mean))
-        calm, F = uniform(self._path.axes, dt, self.straight_density)[::-1]
-        wild = uniform(self._path.axes, dt, self.manoeuvre_density)[1]
         batch = gaussian.cov.ndim - 2
-        return predict(gaussian, lift(F, 2, batch), lift(np.stack([calm, wild], axis=2), 3, batch - 1))
+        F = uniform(self._path.axes, dt, 0.0)[0]
+        each = [
+            lift(uniform(self._path.axes, dt, density)[1], 2, batch - 1)
+            for density in (self.straight_density, self.manoeuvre_density)
+        ]
+        return predict(gaussian, lift(F, 2, batch), np.stack(np.broadcast_arrays(*each), axis=2))
 
 
 @lru_cache(maxsize=256)

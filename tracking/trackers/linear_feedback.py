@@ -62,7 +62,8 @@ class LinearFeedback:
         middle = self.path.advance(state.place, on_line, 0.5 * dt)
         control = steering(self.law, self.path, middle, on_line)
         stiffness, damping = -GRAVITY * float(control.per_cross_track), -GRAVITY * float(control.per_cross_track_rate)
-        F, Q = closed_loop(dt, stiffness, damping, self.acceleration_density)
+        F, Q = closed_loop(dt, stiffness, damping, 1.0)
+        Q = np.multiply.outer(Q, self.acceleration_density)
         return PathState(predict(state.gaussian, F, Q), self.path.advance(state.place, on_line, dt))
 
     def _on_legs(self, path: Legs, state: PathState, dt: float) -> PathState:
