@@ -123,6 +123,7 @@ class Route:
     chart: tuple[tuple[int, float, float], ...] | None = None  # see charted_speed; None = it shows no speeds
     _lines: tuple[tuple[float, ...], ...] = field(init=False, repr=False, compare=False)  # end, direction, course
     _table: Any = field(init=False, repr=False, compare=False)  # the same (5, legs)
+    _speeds: Any = field(init=False, repr=False, compare=False)  # (legs,)
     _near: dict[tuple[float, float], Any] = field(init=False, repr=False, compare=False)  # see _near_turns
 
     def __post_init__(self) -> None:
@@ -138,6 +139,7 @@ class Route:
             )
         object.__setattr__(self, "_lines", tuple((*leg.end, *leg.direction, leg.course) for leg in self.legs))
         object.__setattr__(self, "_table", np.array(self._lines).T)
+        object.__setattr__(self, "_speeds", np.array([leg.speed for leg in self.legs]))
         object.__setattr__(self, "_near", {})
 
     @overload
@@ -226,7 +228,7 @@ class Route:
 
         That of the leg, or another one from a point of it on: ``chart`` has the leg, the point as m to go, and the m/s.
         """
-        speed = np.array([one.speed for one in self.legs])[leg]
+        speed = self._speeds[leg]
         for number, begins, shown in self.chart or ():
             speed = np.where((leg == number) & (distance_to_go <= begins), shown, speed)
         return speed

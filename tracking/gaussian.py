@@ -52,11 +52,10 @@ def lift(array: Array, matrix_axes: int, batch_axes: int) -> Array:
     """View with axes of size one inserted after the matrix axes until there are ``batch_axes`` batch axes."""
     array = np.asarray(array, dtype=float)
     missing = matrix_axes + batch_axes - array.ndim
-    return (
-        array
-        if missing <= 0
-        else array.reshape(*array.shape[:matrix_axes], *(1,) * missing, *array.shape[matrix_axes:])
-    )
+    if missing <= 0:
+        return array
+    shape = array.shape
+    return array.reshape(shape[:matrix_axes] + (1,) * missing + shape[matrix_axes:])
 
 
 def predict(gaussian: Gaussian, F: Array, Q: Array, u: Array | None = None) -> Gaussian:
@@ -87,15 +86,15 @@ def update(gaussian: Gaussian, z: Array, H: Array, R: Array) -> tuple[Gaussian, 
     z : (m, *B); NaN marks an absent channel of that run.
     H : (m, n, *C); R : (m, m, *C).
     """
+    absent = _absent(z)
+    heard = None if absent is None else _heard(absent)
+    if heard is not None:
+        if not heard.size:
+            return gaussian, _nothing_heard(z, gaussian.mean)
+        posterior, innovation = update(gaussian, z[heard], H[heard], _entries(R, heard))
+        return posterior, _scattered(innovation, heard, len(z))
     residual = z - _apply(H, gaussian.mean)
-    absent = _absent(z, residual)
     if absent is not None:
-        heard = _heard(absent)
-        if heard is not None:
-            posterior, innovation = (
-                update(gaussian, z[heard], H[heard], R[np.ix_(heard, heard)]) if heard.size else (gaussian, None)
-            )
-            return posterior, _scattered(innovation, heard, residual)
         H, R, residual = _without(absent, H, R, residual)
     P, H, R = _aligned(gaussian.cov, H, R)
     cross = _product(H, P)  # H P (m, n, *C)
@@ -132,7 +131,7 @@ def interact(mixture: Mixture, switching: Array) -> Mixture:
     """
     weights, means, covs = mixture
     joint = lift(switching, 2, weights.ndim - 1) * weights[:, None]  # (from, to, *B)
-    predicted = joint.sum(axis=0)
+    predicted = np.add.reduce(joint)
     if predicted.all():
         joint /= predicted
     else:
@@ -157,11 +156,11 @@ def reweigh(weights: Array, log_likelihood: Array) -> tuple[Array, Array]:
     Erratum: [Volovyk 2022, table 1, step 13] printed the weights before the switching in the numerator, used the
     predicted ones, because only those make the posterior sum to one.
     """
-    best = log_likelihood.max(axis=0)
+    best = np.maximum.reduce(log_likelihood)
     posterior = np.exp(log_likelihood - best)
     posterior *= weights
-    total = posterior.sum(axis=0)
-    if not total.min() > 1e-200:  # the best hypothesis has no weight, or a lost run is NaN
+    total = np.add.reduce(posterior)
+    if not np.minimum.reduce(total, axis=None) > 1e-200:  # the best hypothesis has no weight, or a lost run is NaN
         supported = np.where(weights > 0.0, log_likelihood, -np.inf)
         best = supported.max(axis=0)
         posterior = np.exp(supported - best) * weights
@@ -176,20 +175,18 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
     H and R as in `update`, or with the hypothesis axis after the matrix axes where they differ between hypotheses.
     The innovation is that of the moment-matched prediction, its log-likelihood that of the mixture itself.
     """
+    absent = _absent(z)
+    heard = None if absent is None else _heard(absent)
+    if heard is not None:
+        if not heard.size:
+            return mixture, _nothing_heard(z, mixture.mean[:, 0])
+        updated, innovation = update_mixture(mixture, z[heard], H[heard], _entries(R, heard))
+        return updated, _scattered(innovation, heard, len(z))
     batch = mixture.mean.ndim - 2
-    z = z[:, None]
+    z, absent = z[:, None], None if absent is None else absent[:, None]
     H, R = _with_hypotheses(H, batch), _with_hypotheses(R, batch)
     residual = z - _apply(H, mixture.mean)
-    absent = _absent(z, residual)
     if absent is not None:
-        heard = _heard(absent)
-        if heard is not None:
-            posterior, innovation = (
-                update_mixture(mixture, z[heard, 0], H[heard], R[np.ix_(heard, heard)])
-                if heard.size
-                else (mixture, None)
-            )
-            return posterior, _scattered(innovation, heard, residual[:, 0])
         H, R, residual = _without(absent, H, R, residual)
     cross = _product(H, mixture.cov)
     S = _plus(_product(H, cross.swapaxes(0, 1)), lift(R, 2, batch + 1))
@@ -199,7 +196,7 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
     weights, log_likelihood = reweigh(mixture.weights, each.log_likelihood)
     matched = merge(Mixture(mixture.weights, residual, S))
     white = _forward(_cholesky(matched.cov), matched.mean)
-    innovation = Innovation(white, (white * white).sum(axis=0), log_likelihood)
+    innovation = Innovation(white, np.add.reduce(white * white), log_likelihood)
     posterior = Mixture(weights, conditioned.mean, conditioned.cov)
     if absent is None:
         return posterior, innovation
@@ -209,7 +206,7 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
 def _innovation(L: list[list[Array]], residual: Array) -> Innovation:
     """Whitened residual (m, *B), its square and its log-likelihood, from the factor of the innovation covariance."""
     white = _forward(L, residual)
-    nis = (white * white).sum(axis=0)
+    nis = np.add.reduce(white * white)
     volume = L[0][0]
     for i in range(1, len(L)):
         volume = volume * L[i][i]
@@ -261,9 +258,9 @@ def _forward(L: list[list[Array]], right: Array) -> Array:
     return solution
 
 
-def _absent(z: Array, residual: Array) -> Array | None:
+def _absent(z: Array) -> Array | None:
     """Which channels (m, *B) are absent, or None where all are present (one cheap test in the usual case)."""
-    total = residual.sum()
+    total = np.add.reduce(z, axis=None)
     if total == total:  # only NaN differs from itself
         return None
     absent = np.isnan(z)
@@ -276,13 +273,23 @@ def _heard(absent: Array) -> Array | None:
     return np.flatnonzero(~silent) if silent.any() else None
 
 
-def _scattered(innovation: Innovation | None, heard: Array, residual: Array) -> Innovation:
+def _entries(R: Array, heard: Array) -> Array:
+    """R of some rows: a view where they follow each other."""
+    first, last = heard[0], heard[-1] + 1
+    return R[first:last, first:last] if last - first == len(heard) else R[np.ix_(heard, heard)]
+
+
+def _scattered(innovation: Innovation, heard: Array, rows: int) -> Innovation:
     """An innovation of some rows as one of all rows (m, *B), NaN where nothing was heard."""
-    white = np.full(residual.shape, np.nan)
-    if innovation is None:
-        return Innovation(white, np.zeros(residual.shape[1:]), np.zeros(residual.shape[1:]))
+    white = np.full((rows, *innovation.white.shape[1:]), np.nan)
     white[heard] = innovation.white
     return Innovation(white, innovation.nis, innovation.log_likelihood)
+
+
+def _nothing_heard(z: Array, mean: Array) -> Innovation:
+    """The innovation of a measurement (m, *B) without any channel; mean (n, *B)."""
+    batch = np.broadcast_shapes(z.shape[1:], mean.shape[1:])
+    return Innovation(np.full((len(z), *batch), np.nan), np.zeros(batch), np.zeros(batch))
 
 
 def _without(absent: Array, H: Array, R: Array, residual: Array) -> tuple[Array, Array, Array]:
@@ -314,7 +321,12 @@ def _mirror(cov: Array) -> Array:
 
 
 def _covers(large: Array, small: Array) -> bool:
-    return bool(large.shape == small.shape or large.shape == np.broadcast_shapes(large.shape, small.shape))
+    """Whether ``small`` broadcasts into the shape of ``large``."""
+    into, shape = large.shape, small.shape
+    if into == shape:
+        return True
+    tail = into[len(into) - len(shape) :]
+    return len(shape) <= len(into) and all(size in (1, whole) for size, whole in zip(shape, tail, strict=True))
 
 
 def _plus(fresh: Array, other: Array) -> Array:

@@ -248,32 +248,42 @@ class Stacked:
 
     def linearise(self, z: Array, R: Array, mean: Array) -> Linear:
         parts, first = [], 0
+        absent = np.isnan(z).reshape(len(z), -1).all(axis=1).tolist()
         for model in self.models:
             rows = slice(first, first + model.rows)
-            if np.isnan(z[rows]).all():  # the usual case: sensors rarely look at the same moment
-                parts.append(_nothing(model, z.shape[1:]))
+            if all(absent[rows]):  # the usual case: sensors rarely look at the same moment
+                parts.append(Linear(np.full((model.equations, *z.shape[1:]), np.nan), *_nothing(model)))
             else:
                 parts.append(model.linearise(z[rows], R[rows, rows], mean))
             first = rows.stop
-        batch = max(max(part.H.ndim - 2, part.R.ndim - 2) for part in parts)
-        shape = np.broadcast_shapes(*(lift(m, 2, batch).shape[2:] for part in parts for m in (part.H, part.R)))
-        H = [np.broadcast_to(lift(p.H, 2, batch), (*p.H.shape[:2], *shape)) for p in parts]
         total = sum(len(part.H) for part in parts)
-        joint = np.zeros((total, total, *shape))
+        H, R = _joint([part.H for part in parts]), [part.R for part in parts]
+        batch = max(part.ndim - 2 for part in R)
+        joint = np.zeros((total, total, *np.broadcast_shapes(*(lift(part, 2, batch).shape[2:] for part in R))))
         first = 0
         for part in parts:
             last = first + len(part.H)
             joint[first:last, first:last] = lift(part.R, 2, batch)
             first = last
-        return Linear(np.concatenate([part.z for part in parts]), np.concatenate(H), joint)
+        return Linear(np.concatenate([part.z for part in parts]), H, joint)
 
 
-def _nothing(model: MeasurementModel, batch: tuple[int, ...]) -> Linear:
-    """The linear form of a sensor that is silent for all runs."""
+def _joint(matrices: list[Array]) -> Array:
+    """Matrices (m, n, *C) one below the other."""
+    batch = max(matrix.ndim - 2 for matrix in matrices)
+    if not batch:
+        return np.concatenate(matrices)
+    lifted = [lift(matrix, 2, batch) for matrix in matrices]
+    shape = np.broadcast_shapes(*(matrix.shape[2:] for matrix in lifted))
+    return np.concatenate([np.broadcast_to(matrix, (*matrix.shape[:2], *shape)) for matrix in lifted])
+
+
+def _nothing(model: MeasurementModel) -> tuple[Array, Array]:
+    """H and R of a sensor that is silent for all runs."""
     H = _matrix(model.H) if isinstance(model, LinearMeasurement) else positions(getattr(model, "channels", CARTESIAN))
     if model.equations != len(H):
         H = np.resize(H, (model.equations, H.shape[1]))  # any will do
-    return Linear(np.full((len(H), *batch), np.nan), H, np.eye(len(H)))
+    return H, np.eye(len(H))
 
 
 def positions(channels: tuple[str, ...]) -> Array:

@@ -324,10 +324,11 @@ class ConstantVelocity:
     depends_on_state = False
 
     def __post_init__(self) -> None:
-        _require(self.acceleration_density >= 0.0, "acceleration_density must not be negative")
+        _require(np.all(np.asarray(self.acceleration_density) >= 0.0), "acceleration_density must not be negative")
 
     def transition(self, dt: float, mean: Array) -> Transition:
-        return _fixed(planar_constant_velocity, dt, self.acceleration_density, self.acceleration_density)
+        F, Q, _ = _fixed(planar_constant_velocity, dt, 1.0, 1.0)
+        return Transition(F, np.multiply.outer(Q, self.acceleration_density))
 
 
 @dataclass(frozen=True)
@@ -360,13 +361,13 @@ class ScheduledTurn:
 
     def __post_init__(self) -> None:
         _require(abs(self.bank) < 0.5 * math.pi, "bank must lie between -90 and 90 deg")
-        _require(self.acceleration_density >= 0.0, "acceleration_density must not be negative")
+        _require(np.all(np.asarray(self.acceleration_density) >= 0.0), "acceleration_density must not be negative")
         _require(self.slowest > 0.0, "slowest must be positive")
 
     def transition(self, dt: float, mean: Array) -> Transition:
         speed = np.maximum(np.hypot(mean[1], mean[3]), self.slowest)
-        density = self.acceleration_density
-        return Transition(*coordinated_turn(dt, turn_rate_of(self.bank, speed), density, density))
+        F, Q = coordinated_turn(dt, turn_rate_of(self.bank, speed), 1.0, 1.0)
+        return Transition(F, Q * self.acceleration_density)
 
 
 @dataclass(frozen=True)
@@ -380,13 +381,14 @@ class AlongTrackAcceleration:
 
     def __post_init__(self) -> None:
         _require(math.isfinite(self.acceleration), "acceleration must be finite")
-        _require(self.acceleration_density >= 0.0, "acceleration_density must not be negative")
+        _require(np.all(np.asarray(self.acceleration_density) >= 0.0), "acceleration_density must not be negative")
 
     def transition(self, dt: float, mean: Array) -> Transition:
-        F, Q, _ = _fixed(planar_constant_velocity, dt, self.acceleration_density, self.acceleration_density)
+        F, Q, _ = _fixed(planar_constant_velocity, dt, 1.0, 1.0)
         _, _, B = double_integrator(dt)
         along = self.acceleration / np.maximum(np.hypot(mean[1], mean[3]), 1.0)  # no direction below 1 m/s
         north, east = along * mean[1], along * mean[3]
+        Q = np.multiply.outer(Q, self.acceleration_density)
         return Transition(F, Q, np.stack([B[0] * north, B[1] * north, B[0] * east, B[1] * east]))
 
 
@@ -398,6 +400,6 @@ def _fixed(function: Any, dt: float, *parameters: float) -> Transition:
     return Transition(F, Q)
 
 
-def _require(condition: bool, sentence: str) -> None:
+def _require(condition: Any, sentence: str) -> None:
     if not condition:
         raise ValueError(sentence)

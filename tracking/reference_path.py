@@ -427,11 +427,11 @@ def folded(control: Steering, dt: float) -> Array:
 def closed(control: Steering, dt: float, noise: Array) -> tuple[Array, Array]:
     """Transition and noise (2, 2, *C) across the path over dt with the slopes of the law acting all the while.
 
-    ``noise`` (2, 2) is that of free motion; the law has acted on it for half of dt on average.
+    ``noise`` (2, 2, *C) is that of free motion; the law has acted on it for half of dt on average.
     """
     half = _closed_loop(control, 0.5 * dt)
     halfway = np.einsum("ij...,jk->ik...", half, np.array([[1.0, -0.5 * dt], [0.0, 1.0]]))
-    shaped = np.einsum("ij...,jk,lk...->il...", halfway, noise, halfway)
+    shaped = np.einsum("ij...,jk...,lk...->il...", halfway, noise, halfway)
     return np.einsum("ij...,jk...->ik...", half, half), 0.5 * (shaped + shaped.swapaxes(0, 1))
 
 
@@ -467,18 +467,23 @@ def embed(normal: Array, across: Array, along: Array) -> Array:
     return matrix.reshape(2 * len(normal), 2 * len(normal), *matrix.shape[4:])
 
 
+def uniform(axes: int, dt: float, density: Array) -> tuple[Array, Array]:
+    """(F, Q) of uniform motion along every axis, with white acceleration of a density (m2/s3), one or one per run."""
+    F, Q = _uniform(axes, dt)
+    return F, np.multiply.outer(Q, density)
+
+
 @lru_cache(maxsize=64)
-def uniform(axes: int, dt: float, density: float) -> tuple[Array, Array]:
-    """(F, Q) of uniform motion along every axis, with white acceleration of a density (m2/s3); shared, read-only."""
-    along_axis = constant_velocity(dt, density)
-    F, Q = (np.kron(np.eye(axes), matrix) for matrix in along_axis)
+def _uniform(axes: int, dt: float) -> tuple[Array, Array]:
+    """The same for a density of one; shared, read-only."""
+    F, Q = (np.kron(np.eye(axes), matrix) for matrix in constant_velocity(dt, 1.0))
     F.flags.writeable = Q.flags.writeable = False
     return F, Q
 
 
-def check_tuning(acceleration_density: float, sub_step: float) -> None:
+def check_tuning(acceleration_density: Array, sub_step: float) -> None:
     """Raise ``ValueError`` where a process noise or a sub-step cannot be."""
-    if not acceleration_density >= 0.0:
+    if not np.all(np.asarray(acceleration_density) >= 0.0):
         raise ValueError(f"acceleration_density must not be negative, not {acceleration_density} m2/s3")
     if not sub_step >= SHORTEST_SUB_STEP:
         raise ValueError(f"sub_step must be at least {SHORTEST_SUB_STEP} s, not {sub_step} s")

@@ -22,15 +22,16 @@ it: a channel beyond `FARTHEST` is taken for absent, and an update that leaves n
 instant - is not made, the run goes on by its prediction.
 
 What a tracker may say besides, each read in one place: ``modes`` (`modes_of`), ``intents`` and ``switched``
-(`intents_of`), ``steer`` (`TimeStamped`). Trackers that differ in nothing but ``law`` are run as one, their laws
-stacked over the runs. A kind whose fields have no usable defaults says in ``example: ClassVar[dict[str, Any]]`` what a
-scenario would write, without ``kind``; its contract is tried with that.
+(`intents_of`), ``steer`` (`TimeStamped`), ``per_run`` (`per_run_of`). Trackers that differ in nothing but ``law`` and
+what is ``per_run`` are run as one, these stacked over the runs. A kind whose fields have no usable defaults says in
+``example: ClassVar[dict[str, Any]]`` what a scenario would write, without ``kind``; its contract is tried with that.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -80,26 +81,36 @@ class Measurements:
         candidates = None if self.candidates is None else self.candidates[..., chosen]
         return Measurements(self.channels, self.time, self.arrival, self.z[..., chosen], R, candidates)
 
+    def rows(self, chosen: slice) -> Measurements:
+        """The measurements of some epochs: views of a record that was checked when it was made."""
+        part = object.__new__(Measurements)
+        for field in fields(self):
+            whole = getattr(self, field.name)
+            kept = whole if field.name == "channels" or whole is None else whole[chosen]
+            object.__setattr__(part, field.name, kept)
+        return part
+
 
 def _check_covariances(record: Measurements) -> None:
     """Raise ``ValueError`` where R is not the covariance of what was measured."""
     R, m = np.asarray(record.R, dtype=float), len(record.channels)
-    plots = np.asarray(record.z) if record.candidates is None else np.asarray(record.candidates)
-    present = ~np.isnan(plots)
-    present = present if record.candidates is None else present.any(axis=1)
-    shared = R.ndim < present.ndim + 1 or R.shape[3:] != present.shape[2:]
-    present = present.any(axis=tuple(range(2, present.ndim))) if shared else present  # in any run
-    said = lift(present[:, :, None] & present[:, None], 3, R.ndim - 3) > 0.0  # (k, m, m, *C) both were measured
-    bad = said & ~np.isfinite(R)
-    if bad.any():
-        row, i = np.argwhere(bad)[0][:2]
-        raise ValueError(f"R of '{record.channels[i]}' is not finite at {record.time[row]:g} s, where it was measured")
+    said: Any = None if np.isfinite(np.sum(R)) else _said(record, R)  # the usual case, cheaply
+    if said is not None:
+        bad = said & ~np.isfinite(R)
+        if bad.any():
+            row, i = np.argwhere(bad)[0][:2]
+            raise ValueError(
+                f"R of '{record.channels[i]}' is not finite at {record.time[row]:g} s, where it was measured"
+            )
     pairs: Any = 0  # of channels that are correlated
     for i in range(m):
         _require(not (R[:, i, i] < 0.0).any(), f"the variance of '{record.channels[i]}' is negative")
         for j in range(i):
-            upper, lower, both = R[:, j, i], R[:, i, j], said[:, i, j]
-            scale = np.sqrt(np.abs(R[:, i, i])) * np.sqrt(np.abs(R[:, j, j]))
+            upper, lower = R[:, j, i], R[:, i, j]
+            if not (upper.any() or lower.any()):
+                continue
+            said = _said(record, R) if said is None else said
+            both, scale = said[:, i, j], np.sqrt(np.abs(R[:, i, i])) * np.sqrt(np.abs(R[:, j, j]))
             _require(not (both & (np.abs(upper - lower) > 1e-9 * scale)).any(), "R is not symmetric")
             excess = np.abs(upper) > (1.0 + 1e-9) * scale
             _require(not (both & excess).any(), "R is not a covariance: a correlation exceeds 1")
@@ -111,6 +122,16 @@ def _check_covariances(record: Measurements) -> None:
         correlation = matrices / scale[:, None] / scale[:, :, None]
         negative = np.linalg.eigvalsh(correlation).min() < -1e-9
         _require(not negative, "R is not a covariance: it is negative in some direction")
+
+
+def _said(record: Measurements, R: Any) -> Any:
+    """Whether both channels of an entry of R were measured (k, m, m, *C), in any of the runs that share it."""
+    plots = np.asarray(record.z) if record.candidates is None else np.asarray(record.candidates)
+    present = ~np.isnan(plots)
+    present = present if record.candidates is None else present.any(axis=1)
+    shared = R.ndim < present.ndim + 1 or R.shape[3:] != present.shape[2:]
+    present = present.any(axis=tuple(range(2, present.ndim))) if shared else present
+    return lift(present[:, :, None] & present[:, None], 3, R.ndim - 3) > 0.0
 
 
 class Track(NamedTuple):
@@ -195,6 +216,11 @@ def intents_of(tracker: Any) -> tuple[str, ...]:
     return tuple(getattr(tracker, "intents", ()))
 
 
+def per_run_of(tracker: Any) -> dict[str, str]:
+    """Fields of a tracker that may be an array with one value per run, and the member that tells the value of each."""
+    return dict(getattr(tracker, "per_run", {}))
+
+
 class TrackerError(ValueError):
     """A tracker that does not keep its contract; the sentence begins with the member."""
 
@@ -212,7 +238,9 @@ def ask(tracker: Any, member: str, *arguments: Any) -> Any:
 def stepped(tracker: Any, state: Any, dt: float, z: Any = None, R: Any = None) -> tuple[Any, Innovation | None]:
     """``tracker.step``; raises `TrackerError`."""
     answer = ask(tracker, "step", state, dt, z, R)
-    if not (isinstance(answer, tuple) and len(answer) == 2 and isinstance(answer[1], Innovation | None)):
+    if not (
+        isinstance(answer, tuple) and len(answer) == 2 and (answer[1] is None or isinstance(answer[1], Innovation))
+    ):
         raise TrackerError(f"step gives {type(answer).__name__}, not (state, Innovation or None)")
     return answer
 
@@ -220,7 +248,7 @@ def stepped(tracker: Any, state: Any, dt: float, z: Any = None, R: Any = None) -
 def believed(tracker: Any, state: Any) -> Gaussian | Mixture:
     """``tracker.estimate``; raises `TrackerError`."""
     estimate = ask(tracker, "estimate", state)
-    if not isinstance(estimate, Gaussian | Mixture):
+    if not isinstance(estimate, (Gaussian, Mixture)):
         raise TrackerError(f"estimate gives {type(estimate).__name__}, not a Gaussian or a Mixture")
     return estimate
 
@@ -233,7 +261,7 @@ def taken(tracker: Any, state: Any, dt: float, z: Any, R: Any) -> tuple[Any, Inn
     after, innovation = stepped(tracker, state, dt, z, R)
     estimate = believed(tracker, after)
     said = (*estimate, *(() if innovation is None else innovation[1:]))
-    if all(np.isfinite(np.sum(values)) for values in said):  # the usual case, cheaply
+    if all(math.isfinite(np.add.reduce(values, axis=None)) for values in said):  # the usual case, cheaply
         return after, innovation, None
     batch = np.shape(estimate.mean)[2 if isinstance(estimate, Mixture) else 1 :]
     sound: Any = np.ones(batch, dtype=bool)

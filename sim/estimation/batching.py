@@ -1,7 +1,7 @@
-"""Batched trackers: those that differ only in the law they assume run as one, their runs side by side.
+"""Batched trackers: those that differ only in the law or noise they assume run as one, their runs side by side.
 
-A law takes arrays for its gains and limits, one value per run, and a step over twice the runs costs little more than a
-step over the runs: most of it is overhead of array operations.
+A law takes arrays for its gains and limits, one value per run, and a tracker for what it calls ``per_run``. A step over
+twice the runs costs little more than a step over the runs: most of it is overhead of array operations.
 """
 
 from __future__ import annotations
@@ -12,36 +12,49 @@ from typing import Any
 import numpy as np
 
 from tracking.gaussian import Gaussian
-from tracking.track import Measurements, Track
+from tracking.track import Measurements, Track, per_run_of
 
 
 def can_batch(one: Any, other: Any) -> bool:
     """Whether two trackers can run as one: of one class, with assumed laws of one class, all else equal.
 
+    What differs must take one value per run, as what a law is made of does.
+
     The bank limit must be equal too, because it plans the turns of the route.
     """
-    if type(one) is not type(other) or "law" not in getattr(one, "__dataclass_fields__", {}):
+    members = getattr(one, "__dataclass_fields__", {})
+    law, fields = "law" in members, {*per_run_of(one)} & {*per_run_of(other)}
+    if type(one) is not type(other) or not (law or fields):
         return False
-    if type(one.law) is not type(other.law) or one.law.bank_limit != other.law.bank_limit:
+    if law and (type(one.law) is not type(other.law) or one.law.bank_limit != other.law.bank_limit):
         return False
     return all(
         getattr(one, field.name) == getattr(other, field.name)
         for field in dataclasses.fields(one)
-        if field.init and field.name != "law"
+        if field.init and field.name not in ("law", *fields)
     )
 
 
-def stack_laws(trackers: list[Any], runs: int) -> Any:
+def stack_trackers(trackers: list[Any], runs: int) -> Any:
     """One tracker for ``runs`` runs of each of several that `can_batch`, those of the first before the others'."""
     if all(tracker is trackers[0] for tracker in trackers):
         return trackers[0]
-    laws = [tracker.law for tracker in trackers]
+    own = _stacked(trackers, per_run_of(trackers[0]), runs)
+    if "law" in trackers[0].__dataclass_fields__:
+        laws = [tracker.law for tracker in trackers]
+        fields = {field.name: field.name for field in dataclasses.fields(laws[0])}
+        own["law"] = dataclasses.replace(laws[0], **_stacked(laws, fields, runs))
+    return dataclasses.replace(trackers[0], **own)
+
+
+def _stacked(alike: list[Any], fields: dict[str, str], runs: int) -> dict[str, Any]:
+    """The fields in which objects of one class differ, one value per run; each is told by a member."""
     stacked = {}
-    for field in dataclasses.fields(laws[0]):
-        values = [getattr(law, field.name) for law in laws]
+    for field, member in fields.items():
+        values = [getattr(one, member) for one in alike]
         if values != [values[0]] * len(values):
-            stacked[field.name] = np.repeat(values, runs)
-    return dataclasses.replace(trackers[0], law=dataclasses.replace(laws[0], **stacked))
+            stacked[field] = np.repeat(values, runs)
+    return stacked
 
 
 def repeat_runs(record: Measurements, prior: Gaussian, times: int) -> tuple[Measurements, Gaussian]:

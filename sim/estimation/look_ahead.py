@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.estimation.batching import stack_laws
+from sim.estimation.batching import stack_trackers
 from sim.flight.interpolation import truth_at
 from sim.flight.record import Flight
 from sim.metrics import comparison
@@ -77,7 +77,7 @@ class LookAhead:
         """Squared errors of each tracker; only of what was to come within the flight."""
         found: list[dict[str, dict[str, list[Squares]]]] = [{} for _ in self.trackers]
         for times, state in self._groups():
-            tracker, done = stack_laws(self.trackers * len(times), self.draws), 0.0
+            tracker, done = stack_trackers(self.trackers * len(times), self.draws), 0.0
             for span in SPANS:
                 within = times + span <= self.flight.time[-1]
                 if not within.any():

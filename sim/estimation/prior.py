@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -86,9 +87,15 @@ def prior(
             sigma /= _distance(flight, sensors[quantity.rpartition(".")[0]], at)
         means.append(true_values(flight, sensors, component, at)[0])
         spreads.append(sigma)
-        errors.append([stream(seed, number, draw, f"prior.{component}").standard_normal() for draw in range(draws)])
+        errors.append(_errors(seed, number, draws, component))
     sigmas = np.array(spreads)
     return Gaussian(np.array(means)[:, None] + sigmas[:, None] * np.array(errors), np.diag(sigmas**2))
+
+
+@lru_cache(maxsize=64)
+def _errors(seed: int, number: int, draws: int, component: str) -> tuple[float, ...]:
+    """Standard normal errors of a component, one for each draw: every tracker begins with the same."""
+    return tuple(stream(seed, number, draw, f"prior.{component}").standard_normal() for draw in range(draws))
 
 
 def _distance(flight: Flight, sensor: Any, time: np.ndarray) -> float:

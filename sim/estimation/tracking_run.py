@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.errors import ScenarioError
-from sim.estimation.batching import can_batch, join_runs, repeat_runs, runs_of, split_track, stack_laws
+from sim.estimation.batching import can_batch, join_runs, repeat_runs, runs_of, split_track, stack_trackers
 from sim.estimation.look_ahead import LookAhead, Looks, instants_of, look_ahead_rmse
 from sim.estimation.prior import prior
 from sim.estimation.setup import adopt, build, height_profile, listened
@@ -176,11 +176,10 @@ def run_group(
     draws = record.z.shape[2]
     parts: list[list[Track]] = []
     try:
-        for chosen in (
-            chunks(draws) if flight.known else [slice(0, draws)]
-        ):  # a run's estimate depends on no other, but memory does
+        # a run's estimate depends on no other, but memory does
+        for chosen in chunks(draws) if flight.known else (slice(0, draws),):
             some = record if chosen == slice(0, draws) else record.runs(chosen)
-            one, count = stack_laws(trackers, some.z.shape[2]), some.z.shape[2] * len(group)
+            one, count = stack_trackers(trackers, some.z.shape[2]), some.z.shape[2] * len(group)
             priors = runs_of(begun, chosen, draws)
             # a few draws look ahead, and they are among the first
             made = run_tracker(one, *repeat_runs(some, priors, len(group)), first.start, ahead if not parts else None)
@@ -344,10 +343,8 @@ def _first(flight: Flight, start: float) -> float:
 def _between(record: Measurements, first: float, last: float) -> Measurements:
     """What arrives from ``first`` to ``last`` (s): views, since a record is in order of arrival."""
     arrival = record.arrival
-    kept = slice(int(np.searchsorted(arrival, first, "left")), int(np.searchsorted(arrival, last, "right")))
-    candidates = None if record.candidates is None else record.candidates[kept]
-    return Measurements(
-        record.channels, record.time[kept], record.arrival[kept], record.z[kept], record.R[kept], candidates
+    return record.rows(
+        slice(int(np.searchsorted(arrival, first, "left")), int(np.searchsorted(arrival, last, "right")))
     )
 
 

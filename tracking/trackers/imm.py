@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -102,6 +102,7 @@ class InteractingMultipleModel:
     manoeuvre_density: Annotated[float, "m2/s3"] = MANOEUVRE_DENSITY
     acceleration: Annotated[float, "m/s2"] = -0.5
     bank: Annotated[float | None, "rad"] = None
+    per_run: ClassVar[dict[str, str]] = {name: name for name in ("straight_density", "manoeuvre_density")}
 
     def __post_init__(self) -> None:
         _check(self._set)

@@ -30,6 +30,7 @@ from tracking.trackers import saturated_control
 from tracking.trackers.imm import ModelSet, improved_set, transitions
 
 MANOEUVRE_STAY = 20.0  # s, of a turn or a change of speed under vectors: 60 deg of course, or 8 m/s
+DENSITIES = ("law_density", "straight_density", "manoeuvre_density")
 DECELERATION = 0.4  # m/s2, of an airliner that slows down: the 35 kt of an approach within 45 s
 
 
@@ -91,8 +92,13 @@ class IntentImm:
             raise ValueError(f"every law needs an intent of its own, not {', '.join(self._intents)}")
         if not self.mean_stay > 0.0:
             raise ValueError(f"mean_stay must be positive, not {self.mean_stay} s")
-        for density in (self.law_density, self.straight_density, self.manoeuvre_density):
-            check_tuning(density, self.sub_step)
+        for name in DENSITIES:
+            check_tuning(getattr(self, name), self.sub_step)
+
+    @property
+    def per_run(self) -> dict[str, str]:
+        """Its densities; those of the improved set, which flies under vectors, are of one value."""
+        return {} if self.vectored else {name: name for name in DENSITIES}
 
     @cached_property
     def _path(self) -> ReferencePath:
@@ -253,10 +259,13 @@ class IntentImm:
         """Every hypothesis of free flight by itself."""
         if self.vectored:
             return predict(gaussian, *transitions(self._vectors.models, dt, gaussian.mean))
-        calm, F = uniform(self._path.axes, dt, self.straight_density)[::-1]
-        wild = uniform(self._path.axes, dt, self.manoeuvre_density)[1]
         batch = gaussian.cov.ndim - 2
-        return predict(gaussian, lift(F, 2, batch), lift(np.stack([calm, wild], axis=-1), 3, batch - 1))
+        F = uniform(self._path.axes, dt, 0.0)[0]
+        each = [
+            lift(uniform(self._path.axes, dt, density)[1], 2, batch - 1)
+            for density in (self.straight_density, self.manoeuvre_density)
+        ]
+        return predict(gaussian, lift(F, 2, batch), np.stack(np.broadcast_arrays(*each), axis=2))
 
 
 @lru_cache(maxsize=256)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -51,6 +51,7 @@ class LinearFeedback:
     measurement: Annotated[MeasurementModel, "given"]
     acceleration_density: Annotated[float, "m2/s3"] = 1000.0  # docs/densities.md
     sub_step: Annotated[float, "s"] = SUB_STEP
+    per_run: ClassVar[dict[str, str]] = {"acceleration_density": "acceleration_density"}
 
     def __post_init__(self) -> None:
         check_tuning(self.acceleration_density, self.sub_step)
@@ -61,7 +62,8 @@ class LinearFeedback:
         middle = self.path.advance(state.place, on_line, 0.5 * dt)
         control = steering(self.law, self.path, middle, on_line)
         stiffness, damping = -GRAVITY * float(control.per_cross_track), -GRAVITY * float(control.per_cross_track_rate)
-        F, Q = closed_loop(dt, stiffness, damping, self.acceleration_density)
+        F, Q = closed_loop(dt, stiffness, damping, 1.0)
+        Q = np.multiply.outer(Q, self.acceleration_density)
         return PathState(predict(state.gaussian, F, Q), self.path.advance(state.place, on_line, dt))
 
     def _on_legs(self, path: Legs, state: PathState, dt: float) -> PathState:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -79,6 +79,7 @@ class SaturatedControl:
     sub_step: Annotated[float, "s"] = SUB_STEP
     covariance: Literal["paper", "jacobian"] = "paper"
     begins: Literal["at once", "engaged"] = "at once"
+    per_run: ClassVar[dict[str, str]] = {"acceleration_density": "density"}
 
     def __post_init__(self) -> None:
         if self.covariance not in DENSITIES:

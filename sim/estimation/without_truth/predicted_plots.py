@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.estimation.batching import stack_laws
+from sim.estimation.batching import stack_trackers
 from sim.estimation.look_ahead import SPANS
 from sim.estimation.without_truth.places import Places
 from sim.metrics.without_truth.predicted import Predicted
@@ -43,7 +43,7 @@ class PredictedPlots:
         rows = [channels.index("north"), channels.index("east")]
         found: list[dict[str, list[tuple[Any, Any]]]] = [{} for _ in self.trackers]
         for times, state in self._groups():
-            tracker, done = stack_laws(self.trackers * len(times), draws), 0.0
+            tracker, done = stack_trackers(self.trackers * len(times), draws), 0.0
             for span, ahead in self._ahead(times[0]).items():
                 state, _ = stepped(tracker, state, ahead - done)
                 done = ahead
