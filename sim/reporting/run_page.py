@@ -183,15 +183,19 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
     measured = measurement_charts(whole, scenario.sensors, seen.records) if flight.known else []
     flown = Flown(scenario, law, flight, tracked)
     contrast = _contrast(metrics, flown, shown, trackers) if is_first else NOTHING
-    pictures = [*map(picture, (*flight_charts, *measured))]
+    pictures = drawn = [*map(picture, (*flight_charts, *measured))]
     story = contrast.chart
     if is_first and story is None:  # the best of those that saw the flight, else the flight
         best = story_chart(flight, leading(flight, trackers, shown))
-        story = pictures.pop(0) if best is None and pictures else None if best is None else picture(best)
+        if best is not None:
+            story = picture(best)
+        elif pictures:
+            story, *pictures = pictures
     own = {**metrics, "flight": seen.figures, "trackers": trackers}
     return {
         **first_screen(scenario, flight, own, shown, seen.number, contrast.sentences),
         "story": story,
+        "answered": bool(contrast.sentences) or story not in (None, *drawn),
         "lost": losses(metrics, flown, trackers) if is_first else [],
         "opens": contrast.opens,
         "conformance": conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",

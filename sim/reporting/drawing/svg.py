@@ -3,8 +3,8 @@
 Each panel is an ``svg`` of its own that clips what lies outside it, in tenths of a point. It carries its window in the
 units of its axes (``data-x0``, ``data-x1`` from left to right, ``data-y0``, ``data-y1`` from below to above, and
 ``data-x-scale`` and ``data-y-scale`` where they are not linear), and labelled marks carry their name, so that a script
-can turn a place into values. ``data-time`` says that x is the time of the flight, ``data-fixed`` that the ticks of x are
-names and not numbers. Ink is ``currentColor``; paper, grid, axes, their numbers, the legend within and what may lie
+can turn a place into values. ``data-time`` says that x is the time of the flight, ``data-fixed`` that the ticks of x
+are names and not numbers. Ink is ``currentColor``; paper, grid, axes, their numbers, the legend within and what may lie
 beyond the panel have classes.
 """
 

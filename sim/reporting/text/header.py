@@ -80,7 +80,7 @@ def _outcomes(counts: dict[str, int]) -> str:
 
 
 def _key_figures(flight: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """(label, number, unit) of the first figures that this flight has and that say something: not those printed as 0."""
+    """(label, number, unit) of the first figures that this flight has and that are not printed as 0."""
     found = [
         (row.label, digits(float(value), row.digits), unit(row.unit))
         for row in table.METRICS

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from sim.metrics.conformance import MISMATCHED
@@ -57,16 +57,20 @@ def _marked(table: Table, trackers: dict[str, dict[str, Any]], aims: Sequence[st
     lost = frozenset(i for i, t in enumerate(trackers.values()) if (t.get("lost_fraction") or 0.0) > MOST_LOST)
     best: set[tuple[int, int]] = set()
     for place, aim in enumerate(aims):
-        known = {
-            i: value for i, row in enumerate(table.rows) if i not in lost and (value := _read(row[place])) is not None
-        }
+        read = {i: _read(row[place]) for i, row in enumerate(table.rows) if i not in lost}
+        known = {i: value for i, value in read.items() if value is not None}
         if not aim or len(known) < 2 or len(set(known.values())) < 2:
             continue
-        keys = {
-            i: {"least": v, "most": -v, "one": abs(math.log(v)) if v > 0.0 else math.inf}[aim] for i, v in known.items()
-        }
+        keys = {i: _AIMS[aim](value) for i, value in known.items()}
         best |= {(i, place) for i, key in keys.items() if key == min(keys.values())}
     return table._replace(best=frozenset(best), lost=lost)
+
+
+_AIMS: dict[str, Callable[[float], float]] = {
+    "least": lambda value: value,
+    "most": lambda value: -value,
+    "one": lambda value: abs(math.log(value)) if value > 0.0 else math.inf,
+}
 
 
 def _read(cell: str) -> float | None:

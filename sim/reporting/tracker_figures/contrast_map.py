@@ -21,7 +21,7 @@ KM = 1e-3
 BEFORE, AFTER = 20.0, 90.0  # s, that are shown before and after they part
 TIES = 12  # instants, at most, whose places are joined
 FARTHEST = 2.0  # of the length of what was flown: what an estimate is farther off leaves the frame
-TALLEST, LOWEST = 2.6, 1.3  # in, of the axes: it is to stand on a first screen
+WIDTH, TALLEST, LOWEST = 4.4, 2.8, 1.3  # in, of the axes: it is to stand on a first screen, beside the answer
 
 
 class Believed(NamedTuple):
@@ -79,9 +79,11 @@ def drawn(it: ContrastMap) -> Drawing:
     off = [np.linalg.norm(one.path - it.flown.mean(axis=1, keepdims=True), axis=0) for one in it.believed]
     near = [np.where(away < FARTHEST * reach, one.path, np.nan) for one, away in zip(it.believed, off, strict=True)]
     left, right, low, high = extent((it.flown[0], *(x for x, _ in near)), (it.flown[1], *(y for _, y in near)))
-    width = style.WIDTH - style.LEFT - style.RIGHT
+    width = WIDTH
     height = min(max(width * (high - low) / (right - left), LOWEST), TALLEST)
     figure, (axes,) = style.panels(height)
+    axes.box = axes.box._replace(width=width * style.INCH)
+    figure.width = (style.LEFT + width + style.RIGHT) * style.INCH
     scale = max((right - left) / width, (high - low) / height)
     middle = (left + right) / 2, (low + high) / 2
     style.frame(axes, middle, scale)
