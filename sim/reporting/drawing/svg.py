@@ -63,7 +63,7 @@ def _panel(drawing: Drawing, panel: Panel, top: float) -> str:
         for name, axis in (("x", panel.x), ("y", panel.y))
         if axis.scale.kind != "linear"
     )
-    kind = " data-time" if panel.x.label == TIME else " data-fixed" if panel.x.ticks is not None else ""
+    kind = ' data-time=""' if panel.x.label == TIME else ' data-fixed=""' if panel.x.ticks is not None else ""
     text = f'<svg class="panel" {place} {size} {view} preserveAspectRatio="none" {window}{scales}{kind} fill="none">'
     if panel.background:
         text += f'<path d="M0 0h{round(UNIT * width)}v{round(UNIT * height)}H0z"{fill(panel.background)}/>'
