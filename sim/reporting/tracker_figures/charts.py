@@ -77,7 +77,7 @@ def story_chart(flight: Flight, shown: list[Shown]) -> Chart | None:
         "The whole flight, draw 0: thin lines join where the aircraft is and where a tracker believes it at the same "
         "instant; the route is dashed."
     )
-    title = f"What {names} {'make' if shown[1:] else 'makes'} of the flight"
+    title = f"The flight, and where {names} {'believe' if shown[1:] else 'believes'} it"
     return Chart(title, drawn(found), caption, (Key("flown", style.BLACK), *keys_of(shown)))
 
 
