@@ -201,9 +201,10 @@
       if (!from) return;
       if (Math.abs(event.clientX - from.x) >= LEAST) { if (!panel.fixed) zoom(panel, Math.min(from.u, u), Math.max(from.u, u), (from.v + v) / 2); }
       else if (panel.timed) document.dispatchEvent(new CustomEvent("pointed", { detail: panel.x.value(u / panel.wide) }));
+      tell(panel, event); // what is there now
     });
     element.addEventListener("pointercancel", () => { mark?.remove(); begun = mark = null; });
-    element.addEventListener("dblclick", (event) => { event.preventDefault(); reset(alike(panel)); });
+    element.addEventListener("dblclick", (event) => { event.preventDefault(); reset(alike(panel)); tell(panel, event); });
     element.addEventListener("wheel", (event) => { // with Ctrl, as two fingers spread on a pad: a page is to scroll over its figures
       if (!event.ctrlKey || panel.fixed) return;
       event.preventDefault();
@@ -211,6 +212,7 @@
       if (part >= panel.wide) { reset(alike(panel)); return; }
       const begin = Math.min(Math.max(u - (u - left) * part / wide, 0), panel.wide - part);
       zoom(panel, begin, begin + part, v);
+      tell(panel, event);
     }, { passive: false });
   }
 
