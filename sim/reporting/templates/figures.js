@@ -73,8 +73,9 @@
     return best;
   }
   function place(panel, event) { // units of a pointer within a panel
-    const box = panel.element.getBoundingClientRect(), { left, top, wide, high } = panel.view;
-    return [left + (event.clientX - box.left) / box.width * wide, top + (event.clientY - box.top) / box.height * high];
+    const box = panel.drawing.getBoundingClientRect(), { left, top, wide, high } = panel.view; // the panel's own holds what it hides
+    const scale = box.width / panel.drawing.viewBox.baseVal.width, [x, y] = ["x", "y"].map((side) => panel.element[side].baseVal.value);
+    return [left + ((event.clientX - box.left) / scale - x) / panel.wide * wide, top + ((event.clientY - box.top) / scale - y) / panel.high * high];
   }
 
   // ---- values under the pointer ----------------------------------------------------------------------------------
