@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
+from collections.abc import Sequence
 from importlib import resources
 from typing import Any, NamedTuple
 
@@ -24,9 +27,17 @@ def picture(chart: Chart) -> Picture:
     return Picture(title, svg.written(figure, f"{title}: {caption}"), caption, keys)
 
 
-def rendered(template: str, **values: Any) -> str:
-    """A page from one of the templates; every value is escaped, and one that is missing is an error."""
+def rendered(template: str, scripts: Sequence[str] = (), **values: Any) -> str:
+    """A page from one of the templates; every value is escaped, and one that is missing is an error.
+
+    ``scripts`` are files beside the templates that the page runs after the one of all figures and tables; it allows no
+    others.
+    """
     import jinja2
+
+    script = "".join(map(text_of, ("figures.js", *scripts)))
+    values["script"] = script
+    values["script_hash"] = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 
     environment = jinja2.Environment(
         loader=jinja2.FunctionLoader(text_of),
@@ -35,6 +46,7 @@ def rendered(template: str, **values: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["lower_first"] = lambda text: text[:1].lower() + text[1:]
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     return environment.get_template(template).render(**values)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import itertools
 import json
 from collections.abc import Iterable, Iterator
@@ -14,9 +12,10 @@ from sim.flight.record import Flight
 from sim.metrics.conformance import conformance_sentence, foremost
 from sim.reporting.figures.flight import charts
 from sim.reporting.figures.measurements import measurement_charts
-from sim.reporting.page import Picture, picture, rendered, text_of
+from sim.reporting.page import Picture, picture, rendered
 from sim.reporting.replay import replay
-from sim.reporting.text.contrast_sentence import contrast_sentences, first_contrast
+from sim.reporting.text.best_tracker import leading
+from sim.reporting.text.contrast_sentence import contrast_sentences, first_contrast, losses
 from sim.reporting.text.header import first_screen
 from sim.reporting.text.labels import words
 from sim.reporting.text.outcome_sentence import first_clause
@@ -35,7 +34,7 @@ from sim.reporting.text.rows import (
     spread_rows,
 )
 from sim.reporting.text.tracker_tables import tracker_tables
-from sim.reporting.tracker_figures.charts import alarm_charts, belief_charts, contrast_chart, error_charts
+from sim.reporting.tracker_figures.charts import alarm_charts, belief_charts, contrast_chart, error_charts, story_chart
 from sim.reporting.tracker_figures.error_curves import Shown, shown_trackers
 from sim.reporting.tracker_figures.model_probabilities import mode_names
 from sim.reporting.without_truth.figures import plot_charts
@@ -79,11 +78,11 @@ def write(
     flights : those that are drawn, the worst first; one after another, so that no two are held at a time
     """
     first, *others = _pages(scenario, law, metrics, flights)
-    script = text_of("replay.js")
     equations, papers, errata = sources(what_ran(scenario, law))
     several = metrics.get("flights", 1) > 1
     page = rendered(
         "report.html",
+        ["replay.js"] if first["replay"] else [],
         **first,
         others=others,
         every=every_flight(metrics.get("each_flight", ()), [check_name(check) for check in metrics["checks"]])[
@@ -95,8 +94,6 @@ def write(
         trackers=(plot_tables(metrics["trackers"]) or tracker_tables(metrics["trackers"]))
         if metrics.get("trackers")
         else [],
-        script=script,
-        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
         draws=metrics.get("draws"),
         scenario_text=dumps({**scenario.tables, "designed": None}),
         law_rows=law_rows(law),
@@ -148,7 +145,7 @@ def _pages(scenario: Any, law: Any, metrics: dict[str, Any], flights: Iterable[S
             page["charts"] = _fitting(page["charts"], room)
             page["tracker_charts"] = _fitting(page["tracker_charts"], room - _size(page["charts"]))
             page["left_out"] = every - len(page["charts"]) - len(page["tracker_charts"])
-        room -= _size([*page["charts"], *page["tracker_charts"], *([page["contrast"]] if page["contrast"] else [])])
+        room -= _size([*page["charts"], *page["tracker_charts"], *([page["story"]] if page["story"] else [])])
         room -= len(json.dumps(page["replay"]))
         yield page
         if room < ROOM or page.get("left_out"):
@@ -186,15 +183,25 @@ def _page(scenario: Any, law: Any, metrics: dict[str, Any], seen: Seen, is_first
     measured = measurement_charts(whole, scenario.sensors, seen.records) if flight.known else []
     flown = Flown(scenario, law, flight, tracked)
     contrast = _contrast(metrics, flown, shown, trackers) if is_first else NOTHING
+    pictures = drawn = [*map(picture, (*flight_charts, *measured))]
+    story = contrast.chart
+    if is_first and story is None:  # the best of those that saw the flight, else the flight
+        best = story_chart(flight, leading(flight, trackers, shown))
+        if best is not None:
+            story = picture(best)
+        elif pictures:
+            story, *pictures = pictures
     own = {**metrics, "flight": seen.figures, "trackers": trackers}
     return {
         **first_screen(scenario, flight, own, shown, seen.number, contrast.sentences),
-        "contrast": contrast.chart,
+        "story": story,
+        "answered": bool(contrast.sentences) or story not in (None, *drawn),
+        "lost": losses(metrics, flown, trackers) if is_first else [],
         "opens": contrast.opens,
         "conformance": conformance_sentence(words(alert[0]), trackers[alert[0]]["conformance"]) if alert else "",
         "replay": replay(whole, scenario, shown, seen.records, seen.chart, contrast.parted) if is_first else None,
         "known": flight.known,
-        "charts": [*map(picture, (*flight_charts, *measured))],
+        "charts": pictures,
         "events": event_rows(whole) if flight.known else [],
         "outcome": words(seen.figures["outcome"]),
         "reason": first_clause(flight.reason),

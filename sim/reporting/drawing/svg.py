@@ -3,7 +3,9 @@
 Each panel is an ``svg`` of its own that clips what lies outside it, in tenths of a point. It carries its window in the
 units of its axes (``data-x0``, ``data-x1`` from left to right, ``data-y0``, ``data-y1`` from below to above, and
 ``data-x-scale`` and ``data-y-scale`` where they are not linear), and labelled marks carry their name, so that a script
-can turn a place into values. Ink is ``currentColor``; paper, grid and axes have classes.
+can turn a place into values. ``data-time`` says that x is the time of the flight, ``data-fixed`` that the ticks of x
+are names and not numbers. Ink is ``currentColor``; paper, grid, axes, their numbers, the legend within and what may lie
+beyond the panel have classes.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ FAMILY = "'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-
 GRID = "#E4E4E4"
 NAME_LEFT, NAME_BELOW = 41.0, 26.0  # points from a panel to the foot of the names of its axes
 NAME_RIGHT = 34.0
+TIME = "time, s"  # the name of an axis of time
 TITLE, NUMBER = 4.0, 6.0  # points between a panel and its title, and its numbers
 LINE = 1.05  # of the size, from line to line of one name
 
@@ -60,7 +63,8 @@ def _panel(drawing: Drawing, panel: Panel, top: float) -> str:
         for name, axis in (("x", panel.x), ("y", panel.y))
         if axis.scale.kind != "linear"
     )
-    text = f'<svg class="panel" {place} {size} {view} preserveAspectRatio="none" {window}{scales} fill="none">'
+    kind = ' data-time=""' if panel.x.label == TIME else ' data-fixed=""' if panel.x.ticks is not None else ""
+    text = f'<svg class="panel" {place} {size} {view} preserveAspectRatio="none" {window}{scales}{kind} fill="none">'
     if panel.background:
         text += f'<path d="M0 0h{round(UNIT * width)}v{round(UNIT * height)}H0z"{fill(panel.background)}/>'
     x_ticks = drawing.ticks(panel.x, width, False)
@@ -72,7 +76,9 @@ def _panel(drawing: Drawing, panel: Panel, top: float) -> str:
         text += _inner_legend(panel)
     text += "</svg>"
     moved = f'<g transform="translate({round(UNIT * left)} {round(UNIT * (top + above))})">'
-    outside = (_axes(panel, frame, x_ticks, y_ticks) if panel.framed else "") + free
+    outside = _axes(panel, frame, x_ticks, y_ticks) if panel.framed else ""
+    if free:
+        outside += f'<g class="free">{free}</g>'
     if panel.title:
         outside += text_at(panel.title, 0.0, -TITLE, panel.title_size)
     return text + (f"{moved}{outside}</g>" if outside else "")
@@ -90,7 +96,7 @@ def _inner_legend(panel: Panel) -> str:
     left, top, width, height = (round(UNIT * side) for side in box)
     look = fill(PAPER) + faint(0.8 if panel.legend.boxed else 0.6)
     behind = f'<path d="M{left} {top}h{width}v{height}h{-width}z"{look}/>'
-    return behind + f'<g fill="currentColor">{_legend(entries)}</g>'
+    return f'<g class="legend" fill="currentColor">{behind}{_legend(entries)}</g>'
 
 
 def _grid(panel: Panel, frame: Frame, x_ticks: list[tuple[float, str]], y_ticks: list[tuple[float, str]]) -> str:
@@ -112,29 +118,29 @@ def _axes(panel: Panel, frame: Frame, x_ticks: list[tuple[float, str]], y_ticks:
     with_x, with_y = panel.numbered
     if with_x:
         size = panel.x.size
-        text += _group("middle", size, [
+        text += _group("x-numbers", "middle", size, [
             (float(frame.across(value)), height + NUMBER + 0.72 * size, name) for value, name in x_ticks
         ])  # fmt: skip
         text += _name(panel.x, width / 2, height + NAME_BELOW, 0.0)
     if with_y:
         size, side = panel.y.size, width + NUMBER if panel.y_right else -NUMBER
-        text += _group("start" if panel.y_right else "end", size, [
+        text += _group("y-numbers", "start" if panel.y_right else "end", size, [
             (side, float(frame.down(value)) + 0.36 * size, name) for value, name in y_ticks
         ])  # fmt: skip
         text += _name(panel.y, width + NAME_RIGHT if panel.y_right else -NAME_LEFT, height / 2, -90.0)
     return text
 
 
-def _group(anchor: str, size: float, places: list[tuple[float, float, str]]) -> str:
+def _group(name: str, anchor: str, size: float, places: list[tuple[float, float, str]]) -> str:
     """Numbers of one axis; a name of several lines stands about its place."""
     texts = ""
-    for x, y, name in places:
-        lines = name.split("\n")
+    for x, y, told in places:
+        lines = told.split("\n")
         for row, line in enumerate(lines):
             down = y + (row - (len(lines) - 1) / 2) * LINE * size
             texts += f'<text x="{UNIT * x:.0f}" y="{UNIT * down:.0f}">{escaped(line)}</text>'
     look = f' text-anchor="{anchor}"' if anchor != "start" else ""
-    return f'<g font-size="{UNIT * size:g}"{look}>{texts}</g>' if texts else ""
+    return f'<g class="{name}" font-size="{UNIT * size:g}"{look}>{texts}</g>' if texts else ""
 
 
 def _name(axis: Axis, x: float, y: float, turn: float) -> str:

@@ -246,7 +246,10 @@
   if (!known) part("profile").remove(); // over the distance flown, which nobody knows
 
   // ---- moving ----------------------------------------------------------------------------------------------------
-  function draw() { plan(); if (known) profile(); words(); }
+  function draw() {
+    document.dispatchEvent(new CustomEvent("replayed", { detail: now })); // the figures show the same instant
+    plan(); if (known) profile(); words();
+  }
   function go(t) { now = Math.min(Math.max(t, first), last); draw(); }
   function play(on) {
     playing = on; lastFrame = null;
@@ -274,6 +277,7 @@
     if (event.key === " " && name !== "BUTTON" && !ticked) moves[" "] = () => play(!playing);
     if (moves[event.key]) { event.preventDefault(); moves[event.key](); }
   });
+  document.addEventListener("pointed", (event) => go(event.detail)); // at a figure
   window.addEventListener("resize", draw);
   section.hidden = false;
   draw();

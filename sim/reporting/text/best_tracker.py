@@ -27,9 +27,7 @@ def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown]
     channel, rivals = _contest(flight, trackers, followed)
     if not rivals:
         return ""
-    best = min(
-        rivals, key=lambda one: (one.law_from == MISMATCHED, _lost(trackers, one) > MOST_LOST)
-    )  # of equals: first
+    best = _best(trackers, rivals)
     others = [one for one in rivals if one is not best]
     parts = [f"{_head(trackers, channel, best, rivals)}"]
     if others:
@@ -43,6 +41,22 @@ def best_tracker(flight: Flight, trackers: dict[str, Any], followed: list[Shown]
     if others and best.curves.draws == 1:
         parts.append("one draw does not tell a lead from chance")
     return "; ".join(part for part in parts if part) + "."
+
+
+def leading(flight: Flight, trackers: dict[str, Any], followed: list[Shown]) -> list[Shown]:
+    """The best tracker and the next of another kind, mismatched twins and those that lose draws left out."""
+    _, rivals = _contest(flight, trackers, followed)
+    if not rivals:
+        return []
+    best = _best(trackers, rivals)
+    kind = trackers[best.name].get("kind")
+    fair = [one for one in rivals if one.law_from != MISMATCHED and _lost(trackers, one) <= MOST_LOST]
+    return [best, *[one for one in fair if trackers[one.name].get("kind") != kind][:1]]
+
+
+def _best(trackers: dict[str, Any], rivals: list[Shown]) -> Shown:
+    """Of equals the first."""
+    return min(rivals, key=lambda one: (one.law_from == MISMATCHED, _lost(trackers, one) > MOST_LOST))
 
 
 def _lost(trackers: dict[str, Any], one: Shown) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from sim.reporting.text import reasons
+from sim.reporting.text.best_tracker import MOST_LOST
 from sim.reporting.text.labels import joined, number, split, words
 from sim.reporting.text.reasons import Apart, Flown, Loss
 from sim.reporting.tracker_figures.error_curves import FIRST
@@ -46,6 +47,19 @@ def contrast_sentences(metrics: dict[str, Any], flown: Flown, figures: dict[str,
         parted = None if leading is None else reasons.apart(flown, leading["of"], leading["against"])
         told += lines(metrics, ways, lost, parted if leading is first else None)
     return told
+
+
+def losses(metrics: dict[str, Any], flown: Flown, figures: dict[str, Any]) -> list[str]:
+    """Of each tracker that loses more draws than a good one may: when it is lost on a flight, and why.
+
+    ``figures`` are those of the trackers on this flight; the others as for `contrast_sentences`.
+    """
+    shares = {name: t.get("lost_fraction") or 0.0 for name, t in metrics.get("trackers", {}).items()}
+    return [
+        _capital(_loss(metrics, name, share, reasons.loss(flown, name, figures.get(name, {}).get("lost_time_s"))))
+        for name, share in shares.items()
+        if share > MOST_LOST
+    ]
 
 
 def first_contrast(metrics: dict[str, Any]) -> Contrast | None:

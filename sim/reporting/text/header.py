@@ -20,6 +20,8 @@ from sim.reporting.text.outcome_sentence import how_it_ended, what_happened
 from sim.reporting.text.rows import check_name
 from sim.reporting.tracker_figures.error_curves import Shown
 
+MOST_FIGURES = 6  # on the first screen
+
 
 def first_screen(
     scenario: Any,
@@ -78,9 +80,10 @@ def _outcomes(counts: dict[str, int]) -> str:
 
 
 def _key_figures(flight: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """(label, number, unit) of the figures that this flight has."""
-    return [
+    """(label, number, unit) of the first figures that this flight has and that are not printed as 0."""
+    found = [
         (row.label, digits(float(value), row.digits), unit(row.unit))
         for row in table.METRICS
         if row.headline and (value := figure(flight, row.name)) is not None
     ]
+    return [one for one in found if set(one[1]) & {*"123456789"}][:MOST_FIGURES]

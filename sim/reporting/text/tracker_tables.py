@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from sim.metrics.conformance import MISMATCHED
+from sim.reporting.text.best_tracker import MOST_LOST
 from sim.reporting.text.labels import ABSENT, column, decimals, number, split, words
 
 TIMES = " ×"
@@ -17,13 +20,66 @@ class Table(NamedTuple):
     header: list[str]
     rows: list[list[str]]
     lefts: int = 1
+    best: frozenset[tuple[int, int]] = frozenset()  # (row, column) of the best values of their columns
+    lost: frozenset[int] = frozenset()  # rows of trackers that lost the target
 
 
 def tracker_tables(trackers: dict[str, dict[str, Any]]) -> list[Table]:
     """Tables of the summary of every tracker, as in metrics.json."""
+    trackers = beside_twins(trackers)
     channels = list(dict.fromkeys(channel for t in trackers.values() for channel in t.get("overall") or {}))
     tables = [_channel(trackers, channel) for channel in channels]
     return [*tables, _consistency(trackers), *_look_ahead(trackers)]
+
+
+def beside_twins(trackers: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    """The trackers in their order, those with a mismatched law behind the first of their kind that has its own."""
+    first: dict[Any, str] = {}
+    for who, t in trackers.items():
+        if t.get("law_from") != MISMATCHED:
+            first.setdefault(t.get("kind"), who)
+    names = list(trackers)
+
+    def place(who: str) -> tuple[int, bool]:
+        t = trackers[who]
+        twin = t.get("law_from") == MISMATCHED
+        return names.index(first.get(t.get("kind"), who) if twin else who), twin
+
+    return {who: trackers[who] for who in sorted(names, key=place)}
+
+
+def _marked(table: Table, trackers: dict[str, dict[str, Any]], aims: Sequence[str]) -> Table:
+    """The table with its best values and lost trackers.
+
+    ``aims`` says of each column what is best: "least", "most", "one" (as near 1 as can be) or nothing. A lost tracker
+    is not best, and where all are alike none is.
+    """
+    lost = frozenset(i for i, t in enumerate(trackers.values()) if (t.get("lost_fraction") or 0.0) > MOST_LOST)
+    best: set[tuple[int, int]] = set()
+    for place, aim in enumerate(aims):
+        read = {i: _read(row[place]) for i, row in enumerate(table.rows) if i not in lost}
+        known = {i: value for i, value in read.items() if value is not None}
+        if not aim or len(known) < 2 or len(set(known.values())) < 2:
+            continue
+        keys = {i: _AIMS[aim](value) for i, value in known.items()}
+        best |= {(i, place) for i, key in keys.items() if key == min(keys.values())}
+    return table._replace(best=frozenset(best), lost=lost)
+
+
+_AIMS: dict[str, Callable[[float], float]] = {
+    "least": lambda value: value,
+    "most": lambda value: -value,
+    "one": lambda value: abs(math.log(value)) if value > 0.0 else math.inf,
+}
+
+
+def _read(cell: str) -> float | None:
+    """The number that a cell prints; None where it prints none."""
+    text = cell.removesuffix(TIMES).replace("−", "-")
+    try:
+        return float(text)
+    except ValueError:
+        return None
 
 
 def _channel(trackers: dict[str, dict[str, Any]], channel: str) -> Table:
@@ -49,9 +105,10 @@ def _channel(trackers: dict[str, dict[str, Any]], channel: str) -> Table:
             for p in phases
         ),
     ]
-    rows = [[who, _law(t), *(values[i] for values in columns)] for i, (who, t) in enumerate(chosen.items())]
+    rows = [[words(who), _law(t), *(values[i] for values in columns)] for i, (who, t) in enumerate(chosen.items())]
     header = ["tracker", "law from", "RMSE", "interval", "raw", "gain", "of the gain", *(words(p) for p in phases)]
-    return Table(f"{words(name).capitalize()}, {unit}: root mean square error overall and by phase", header, rows, 2)
+    table = Table(f"{words(name).capitalize()}, {unit}: root mean square error overall and by phase", header, rows, 2)
+    return _marked(table, chosen, ["", "", "least", "", "", "most", "", *("least" for _ in phases)])
 
 
 def _interval(figure: dict[str, Any], like: str) -> str:
@@ -76,7 +133,7 @@ def _consistency(trackers: dict[str, dict[str, Any]]) -> Table:
     """Whether the trackers know how good they are, and whether they kept the target."""
     rows = [
         [
-            who,
+            words(who),
             words(str(t.get("kind", ""))),
             (anees := _share(t.get("anees"))),
             _interval({"low": t.get("anees_low"), "high": t.get("anees_high")}, anees),
@@ -87,12 +144,8 @@ def _consistency(trackers: dict[str, dict[str, Any]]) -> Table:
         for who, t in trackers.items()
     ]
     header = ["tracker", "kind", "ANEES", "interval", "ANIS", "lost, %", "first lost at, s"]
-    return Table(
-        "Consistency: 1 where errors are as large as the tracker says, above 1 where it is too sure of itself",
-        header,
-        rows,
-        2,
-    )
+    caption = "Consistency: 1 where errors are as large as the tracker says, above 1 where it is too sure of itself"
+    return _marked(Table(caption, header, rows, 2), trackers, ["", "", "one", "", "one", "least", ""])
 
 
 def _look_ahead(trackers: dict[str, dict[str, Any]]) -> list[Table]:
@@ -106,9 +159,10 @@ def _look_ahead(trackers: dict[str, dict[str, Any]]) -> list[Table]:
         name, unit = split(channel)
         able = {who: t for who, t in trackers.items() if any(_rmse(t, span, channel) is not None for span in spans)}
         columns = [column([_rmse(t, span, channel) for t in able.values()]) for span in spans]
-        rows = [[who, *(values[i] for values in columns)] for i, who in enumerate(able)]
+        rows = [[words(who), *(values[i] for values in columns)] for i, who in enumerate(able)]
         header = ["tracker", *(f"{span.replace('_', ' ')} ahead" for span in spans)]
-        tables.append(Table(f"Look-ahead of {words(name)}, {unit}: root mean square error", header, rows))
+        table = Table(f"Look-ahead of {words(name)}, {unit}: root mean square error", header, rows)
+        tables.append(_marked(table, able, ["", *("least" for _ in spans)]))
     return tables
 
 

@@ -13,7 +13,7 @@ from sim.metrics.conformance import conformance_sentence
 from sim.reporting.drawing.figure import Drawing
 from sim.reporting.figures import style
 from sim.reporting.figures.style import Chart, Key
-from sim.reporting.text.labels import words
+from sim.reporting.text.labels import joined, words
 from sim.reporting.tracker_figures.conformance_strip import alert_strip
 from sim.reporting.tracker_figures.contrast_map import contrast_map, drawn
 from sim.reporting.tracker_figures.error_curves import Shown
@@ -65,6 +65,20 @@ def contrast_chart(
         caption += "They do not part: nowhere does one err half as much again as the other for 10 s on end."
     keys = (Key("flown", style.BLACK), *keys_of(list(pair)))
     return Chart(title[0].upper() + title[1:], drawn(found), caption, keys)
+
+
+def story_chart(flight: Flight, shown: list[Shown]) -> Chart | None:
+    """What was flown and where some trackers believe it; None where there are none, or one knows no place."""
+    found = contrast_map(flight, shown, None) if shown and flight.known else None
+    if found is None:
+        return None
+    names = joined([one.name for one in found.believed])
+    caption = (
+        "The whole flight, draw 0: thin lines join where the aircraft is and where a tracker believes it at the same "
+        "instant; the route is dashed."
+    )
+    title = f"The flight, and where {names} {'believe' if shown[1:] else 'believes'} it"
+    return Chart(title, drawn(found), caption, (Key("flown", style.BLACK), *keys_of(shown)))
 
 
 def error_charts(

@@ -1,7 +1,8 @@
-"""Two trackers where they part: what was flown, and where each believes the aircraft at the same instants."""
+"""Some trackers, two where they part: what was flown, and where each believes the aircraft at the same instants."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ KM = 1e-3
 BEFORE, AFTER = 20.0, 90.0  # s, that are shown before and after they part
 TIES = 12  # instants, at most, whose places are joined
 FARTHEST = 2.0  # of the length of what was flown: what an estimate is farther off leaves the frame
-TALLEST, LOWEST = 2.6, 1.3  # in, of the axes: it is to stand on a first screen
+WIDTH, TALLEST, LOWEST = 4.4, 2.8, 1.3  # in, of the axes: it is to stand on a first screen, beside the answer
 
 
 class Believed(NamedTuple):
@@ -42,7 +43,7 @@ class ContrastMap(NamedTuple):
     time: tuple[float, float]  # s, first and last instant shown
 
 
-def contrast_map(flight: Flight, pair: tuple[Shown, Shown], parted: Parting | None) -> ContrastMap | None:
+def contrast_map(flight: Flight, shown: Sequence[Shown], parted: Parting | None) -> ContrastMap | None:
     """The stretch of the flight about the parting, the whole flight where there is none; None where one knows no
     place."""
     begin, end = float(flight.time[0]), float(flight.time[-1])
@@ -51,7 +52,7 @@ def contrast_map(flight: Flight, pair: tuple[Shown, Shown], parted: Parting | No
     course = flight.route.legs[-1].course
     turn = np.array(((np.cos(course), np.sin(course)), (-np.sin(course), np.cos(course)))) * KM
     believed = []
-    for one in pair:
+    for one in shown:
         path = one.curves.path
         known = (path.time >= begin) & (path.time <= end) & np.isfinite(path.place).all(axis=1)
         if not known.any():
@@ -78,9 +79,11 @@ def drawn(it: ContrastMap) -> Drawing:
     off = [np.linalg.norm(one.path - it.flown.mean(axis=1, keepdims=True), axis=0) for one in it.believed]
     near = [np.where(away < FARTHEST * reach, one.path, np.nan) for one, away in zip(it.believed, off, strict=True)]
     left, right, low, high = extent((it.flown[0], *(x for x, _ in near)), (it.flown[1], *(y for _, y in near)))
-    width = style.WIDTH - style.LEFT - style.RIGHT
+    width = WIDTH
     height = min(max(width * (high - low) / (right - left), LOWEST), TALLEST)
     figure, (axes,) = style.panels(height)
+    axes.box = axes.box._replace(width=width * style.INCH)
+    figure.width = (style.LEFT + width + style.RIGHT) * style.INCH
     scale = max((right - left) / width, (high - low) / height)
     middle = (left + right) / 2, (low + high) / 2
     style.frame(axes, middle, scale)
@@ -89,8 +92,8 @@ def drawn(it: ContrastMap) -> Drawing:
         joined = np.concatenate((one.ties, np.full((len(one.ties), 1, 2), np.nan)), axis=1).reshape(-1, 2)
         axes.line(*joined.T, colour=one.look["colour"], width=0.5, alpha=0.6, order=1.4)
         axes.points(*one.ties[:, 1].T, colour=one.look["colour"], size=4.0, order=2.2)
-        axes.line(*one.path, width=1.3, order=2.0, **one.look)
-    axes.line(*it.flown, colour=style.BLACK, width=2.0, order=1.8)
+        axes.line(*one.path, width=1.3, order=2.0, label=one.name, **one.look)
+    axes.line(*it.flown, colour=style.BLACK, width=2.0, label="flown", order=1.8)
     if it.parted is not None:
         axes.points(*it.parted, marker="o", size=7.0, fill=PAPER, order=3)
         ahead = it.flown[0, -1] >= it.parted[0]

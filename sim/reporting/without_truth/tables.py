@@ -23,7 +23,7 @@ def _innovations(trackers: dict[str, dict[str, Any]], known: dict[str, dict[str,
     header += ["track, s", "of the time, %", "lost at, s"]
     rows = [
         [
-            who,
+            words(who),
             words(str(trackers[who]["kind"])),
             number(trackers[who]["anis"], 2),
             f"{number(its['anis_low'], 2)} … {number(its['anis_high'], 2)}",
@@ -56,7 +56,7 @@ def _look_ahead(known: dict[str, dict[str, Any]]) -> list[Table]:
             [number(one.get("normalised"), 2) for one in found],
         ]
         header += [f"{span.replace('_', ' ')} ahead, m", "normalised"]
-    rows = [[who, *(values[i] for values in columns)] for i, who in enumerate(known)]
+    rows = [[words(who), *(values[i] for values in columns)] for i, who in enumerate(known)]
     caption = (
         "Look-ahead: root mean square distance of later plots, whose own errors are in it, from their prediction; "
         "normalised by both covariances it is 1 where they are right"
@@ -68,5 +68,7 @@ def _agreement(known: dict[str, dict[str, Any]]) -> list[Table]:
     names = [who for who, its in known.items() if its["agreement_m"]]
     if len(names) < 2:
         return []
-    rows = [[who, *column([known[who]["agreement_m"].get(other) for other in names])] for who in names]
-    return [Table("Agreement, m: root mean square distance between two trackers", ["tracker", *names], rows)]
+    rows = [[words(who), *column([known[who]["agreement_m"].get(other) for other in names])] for who in names]
+    return [
+        Table("Agreement, m: root mean square distance between two trackers", ["tracker", *map(words, names)], rows)
+    ]

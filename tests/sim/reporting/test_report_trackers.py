@@ -13,6 +13,7 @@ import pytest
 
 from aircraft.state import AircraftState
 from sim.estimation.tracking_run import Tracked
+from sim.metrics.conformance import MISMATCHED
 from sim.metrics.error_curves import FEW_WINDOWS, error_curves, windows
 from sim.metrics.flight import flight_metrics
 from sim.metrics.tracker import plot_errors, tracker_errors
@@ -23,7 +24,8 @@ from sim.reporting.drawing.marks import Points
 from sim.reporting.figures import style
 from sim.reporting.replay import ellipse
 from sim.reporting.run_page import Seen, write
-from sim.reporting.text.best_tracker import best_tracker
+from sim.reporting.text.best_tracker import best_tracker, leading
+from sim.reporting.text.tracker_tables import tracker_tables
 from sim.reporting.tracker_figures.charts import error_charts
 from sim.reporting.tracker_figures.error_curves import shown_trackers
 from sim.reporting.tracker_figures.model_probabilities import anomaly_strip, mode_names
@@ -442,3 +444,30 @@ def test_a_mismatched_law_is_drawn_dashed(flight):
     dashed = {line.label: bool(line.dashes) for line in panel.lines if line.label in ("best", "twin")}
     assert dashed == {"best": False, "twin": True}
     assert panel.y.scale.kind == "log"
+
+
+def test_tables_mark_the_best_that_keep_the_target_and_put_twins_beside_their_originals():
+    given = scenario()
+    wrong = {"law_from": MISMATCHED}
+    rmse = {"best": 12.0, "plain": 9.0, "twin": 30.0}
+    tables = tracker_tables(summaries(given, rmse, twin=wrong, plain={"lost_fraction": 0.5, "anees": 0.98}))
+    errors, consistency = tables[:2]
+    assert [row[0] for row in errors.rows] == ["best", "twin", "plain"]
+    assert errors.lost == consistency.lost == {2}
+    assert {errors.header[column] for row, column in errors.best if row == 0} == {"RMSE", "gain", "final", "glide"}
+    assert {row for row, _ in errors.best} == {0}  # 9 m of the one that is lost count for nothing
+    assert {consistency.header[column] for _, column in consistency.best} == set()  # two alike
+
+
+def test_the_first_screen_shows_the_best_tracker_and_the_next_of_another_kind(flight):
+    given = scenario()
+    tracked = {
+        "best": followed_by(flight, np.full((2, 2), 1.0)),
+        "twin": followed_by(flight, np.full((2, 2), 0.5), MISMATCHED),
+        "plain": followed_by(flight, np.full((2, 2), 2.0)),
+    }
+    figures = summaries(given, {"best": 1.0, "twin": 0.5, "plain": 2.0})
+    shown = shown_trackers(given, tracked)
+    assert [one.name for one in leading(flight, figures, shown)] == ["best", "plain"]
+    figures["plain"]["lost_fraction"] = 0.5
+    assert [one.name for one in leading(flight, figures, shown)] == ["best"]
