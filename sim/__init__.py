@@ -98,7 +98,7 @@ Data
       course, or None where it flew all of the capture
     - ``cross_track_rms`` m, ``bank_rms`` rad - what the law leaves; ``explained``, and ``objections``, sentences
     - ``capture`` - the record of it; ``flown`` - the same by the law; ``frequency`` rad/s and ``damping`` of the law
-- `Result` - what a run found out (sim.result)
+- `Result` - what a run found out (sim.results.result)
     - ``prepared``, ``scenario``; ``metrics`` - as in metrics.json, of all flights; ``contrasted`` - sentences about
       each pair of trackers that are set against each other; ``broken`` - one for each check that failed; ``timing`` s;
       ``own`` - trackers that the caller brought
@@ -130,7 +130,7 @@ if TYPE_CHECKING:
     from sim.flight.record import Flight
     from sim.flight.recording.flights import recorded
     from sim.observation.record import SensorRecord, observe
-    from sim.result import Result
+    from sim.results.result import Result
     from sim.scenario.model import Scenario
     from sim.studies.identification.captures import identify
     from sim.versions import __version__ as __version__
@@ -171,7 +171,7 @@ _HOMES = {
     "sim.flight.record": ("Flight",),
     "sim.flight.recording.flights": ("recorded",),
     "sim.observation.record": ("SensorRecord", "observe"),
-    "sim.result": ("Result",),
+    "sim.results.result": ("Result",),
     "sim.scenario.model": ("Scenario",),
     "sim.studies.identification.captures": ("identify",),
     "sim.versions": ("__version__",),

@@ -20,7 +20,7 @@ from sim.estimation.navigation_errors import erring_navigator
 from sim.estimation.navigator import navigator
 from sim.estimation.setup import check, height_profile
 from sim.estimation.tracking_run import Tracked, track
-from sim.files import claim, plain, refuse_foreign, staged, write_json, write_npz
+from sim.files import claim, plain, refuse_foreign, staged, write_json
 from sim.flight import loop as flights
 from sim.flight.departures import with_departure_events
 from sim.flight.preparation import Prepared, prepare
@@ -36,16 +36,15 @@ from sim.metrics.navigation import navigation_quality
 from sim.observation import recordings
 from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
-from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
 from sim.reporting.text.warnings import contrast_warnings, skipped_looks, unjudged, warnings
-from sim.result import Result, timed
+from sim.results.result import Result, timed
+from sim.results.saving import TIMING, write_files
 from sim.scenario import reading
 from sim.scenario.axes import samples
 from sim.scenario.budget import refuse_too_much, refuse_workers
 from sim.scenario.model import Scenario
-from sim.scenario.plugins import Catalogue, Part, catalogue_with, digests, load_parts, said
+from sim.scenario.plugins import Catalogue, Part, Plugins, catalogue_with, digests, load_parts, said
 from sim.scenario.tables import Check
-from sim.scenario.toml_writer import dumps
 from sim.versions import versions
 from sim.workers.executors import FLIGHT_TIME_LIMIT, LocalExecutor, Lost, refuse_small_limit
 from sim.workers.isolation import run_isolated
@@ -59,7 +58,7 @@ SHOWN = 3  # flights that a report draws
 
 
 def read(
-    source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None, *, plugins: Any = ()
+    source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None, *, plugins: Plugins = ()
 ) -> Scenario:
     """A scenario from a file, a bundled name or a dict of tables, with ``{"table.key": value}`` overrides.
 
@@ -110,7 +109,7 @@ def run(
     workers: int = 1,
     overrides: dict[str, Any] | None = None,
     trackers: dict[str, Any] | None = None,
-    plugins: Any = (),
+    plugins: Plugins = (),
     progress: Callable[..., Any] | None = None,
     remark: Callable[[str], None] | None = None,
 ) -> Result:
@@ -372,7 +371,7 @@ def run_to_folder(
     overrides: dict[str, Any],
     out: Path | None,
     progress: Callable[..., Any] | None = None,
-    plugins: Any = (),
+    plugins: Plugins = (),
     remark: Callable[[str], None] | None = None,
     flight: int | None = None,
     workers: int = 1,
@@ -385,11 +384,7 @@ def run_to_folder(
     refuse_foreign(folder, "run")
     with helper(len(scenario.trackers) >= FEW, functools.partial(_get_ready, scenario.parts)):
         result = run(scenario, flight=flight, workers=workers, progress=progress, remark=remark)
-        claim(folder, "run")
-        with staged(folder) as place:
-            report(result, place)
-            result.timing["total_s"] = time.perf_counter() - started
-            write_json(place / "timing.json", result.timing)
+        report(result, folder, started)
     return folder, result
 
 
@@ -398,29 +393,32 @@ def _get_ready(parts: tuple[Part, ...]) -> None:
     load_parts(parts)
 
 
-def report(result: Result, folder: Path) -> None:
-    """Write the files of a run into an existing folder.
+def report(result: Result, folder: str | Path, started: float | None = None) -> Path:
+    """Write the files of a run and its page into a folder, which is made; returns the page.
 
-    The arrays are those of the flight that the result has as a whole. Of several flights the page shows the worst
+    Raises ``OutputError`` for a folder that holds what something else wrote. ``started`` is when the run began, by
+    ``time.perf_counter``. The arrays are those of the flight that the result has as a whole. Of several flights the page shows the worst
     first, and a few more, which are flown again: nothing else was kept of them.
     """
     from sim.reporting.run_page import write
 
-    with timed(result.timing, "report_s"):
-        resolved = {**result.scenario.tables, "designed": result.prepared.design}
-        (folder / "scenario.toml").write_text(dumps(resolved), encoding="utf-8")
-        write_json(folder / "metrics.json", result.metrics)
-        write_npz(folder / "flight.npz", flight_arrays(result.flight.whole))
-        write_npz(folder / "measurements.npz", measurement_arrays(result.records))
-        write_npz(folder / "tracks.npz", track_arrays(result.tracks))
-        write(
-            folder / "report.html",
-            scenario=result.scenario,
-            law=result.prepared.law,
-            metrics=result.metrics,
-            versions=result.metrics["versions"],
-            flights=_seen(result),
-        )
+    folder = Path(folder)
+    claim(folder, "run")
+    with staged(folder) as place:
+        with timed(result.timing, "report_s"):
+            write_files(result, place)
+            write(
+                place / "report.html",
+                scenario=result.scenario,
+                law=result.prepared.law,
+                metrics=result.metrics,
+                versions=result.metrics["versions"],
+                flights=_seen(result),
+            )
+        if started is not None:
+            result.timing["total_s"] = time.perf_counter() - started
+        write_json(place / TIMING, result.timing)
+    return folder / "report.html"
 
 
 def _seen(result: Result) -> Iterator[Seen]:

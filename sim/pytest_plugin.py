@@ -241,14 +241,11 @@ def _kept(item: pytest.Item, result: Any, folder: Path) -> str:
 def keep(result: Any, place: Path) -> Path:
     """Write the folder of a run or a study."""
     from sim.experiment import report
-    from sim.files import claim, staged, write_json
+    from sim.files import claim
 
     if isinstance(result, Judged):
         claim(place, "study")
         shutil.copytree(result.folder, place, dirs_exist_ok=True)
         return place
-    claim(place, "run")
-    with staged(place) as whole:
-        report(result, whole)
-        write_json(whole / "timing.json", result.timing)
+    report(result, place)
     return place

@@ -111,7 +111,11 @@ class Catalogue:
 BUNDLED = Catalogue()
 
 
-def catalogue_with(plugins: Any = ()) -> Catalogue:
+Plugins = str | Path | ModuleType | Catalogue | Iterable[str | Path | ModuleType | Part]
+"""What brings kinds that are not bundled: files by their path, imported modules, or what was found before."""
+
+
+def catalogue_with(plugins: Plugins = ()) -> Catalogue:
     """The catalogue with what is brought: files by their path, imported modules, or parts that were found before.
 
     Raises ``ScenarioError`` in one sentence for a file or a module that brings nothing usable.
