@@ -39,14 +39,28 @@ def in_short(scenario: Scenario, metrics: Mapping[str, Any]) -> str:
         among = len(metrics["trackers"])
         of = f"the best of {among} trackers" if among > 1 else "the tracker"
         lines.append(f"{of}: {words(name)}, {number(value, 3)} {split(channel)[1]} RMS ({split(channel)[0]})")
-    checks = metrics.get("checks", [])
-    if checks:
-        failed = [check_name(check) for check in checks if check["passed"] is False]
-        passed = sum(check["passed"] is True for check in checks)
-        lines.append(f"checks: {passed} of {len(checks)} passed" + (f"; failed: {', '.join(failed)}" if failed else ""))
+    if metrics.get("checks"):
+        lines.append(_checks(metrics["checks"]))
     if metrics.get("warnings"):
         lines.append(f"warnings: {len(metrics['warnings'])}, in metrics['warnings']")
     return "\n".join(["<Result of " + lines[0], *(f"  {line}" for line in lines[1:])]) + ">"
+
+
+def study_in_short(metrics: Mapping[str, Any], folder: str | None) -> str:
+    """A few lines from the metrics.json of a study."""
+    ends = ", ".join(f"{count} {words(name)}" for name, count in sorted(metrics["outcomes"].items()))
+    lines = [f"{metrics['scenario']}: {metrics['flights']} flights (seed {metrics['seed']}): {ends}"]
+    if metrics["checks"]:
+        lines.append(_checks(metrics["checks"]))
+    if folder is not None:
+        lines.append(f"in {folder}")
+    return "\n".join(["<StudyResult of " + lines[0], *(f"  {line}" for line in lines[1:])]) + ">"
+
+
+def _checks(checks: list[Any]) -> str:
+    failed = [check_name(check) for check in checks if check["passed"] is False]
+    passed = sum(check["passed"] is True for check in checks)
+    return f"checks: {passed} of {len(checks)} passed" + (f"; failed: {', '.join(failed)}" if failed else "")
 
 
 def leader(metrics: Mapping[str, Any]) -> tuple[str, str, float] | None:

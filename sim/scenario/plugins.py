@@ -122,13 +122,12 @@ def catalogue_with(plugins: Plugins = ()) -> Catalogue:
     """
     if isinstance(plugins, Catalogue):
         return plugins
-    if isinstance(plugins, str | Path | ModuleType):
-        plugins = (plugins,)
+    given: Any = (plugins,) if isinstance(plugins, str | Path | ModuleType) else plugins
     brought: list[Part] = []
     settled: list[Part] = []
-    if not isinstance(plugins, Iterable):
-        raise ScenarioError(f"plugins: must be modules or paths of files, not {plugins!r}")
-    for one in plugins:
+    if not isinstance(given, Iterable):
+        raise ScenarioError(f"plugins: must be modules or paths of files, not {given!r}")
+    for one in given:
         if isinstance(one, Part):
             settled.append(one)
         elif not isinstance(one, ModuleType | str | Path):

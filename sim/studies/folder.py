@@ -7,7 +7,7 @@ import fcntl
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,18 +23,33 @@ RESULTS = ("metrics.json", "report.html")
 PROCESSOR = "processor"  # of the identity: another is a remark, because it moves last digits only
 
 
-def identity(text: str, seed: int, parts: Iterable[Part] = ()) -> dict[str, Any]:
-    """What decides the numbers of a study: its scenario file, its seed and the versions of all that computes."""
+def identity(text: str, seed: int, parts: Iterable[Part] = (), own: Mapping[str, str] | None = None) -> dict[str, Any]:
+    """What decides the numbers of a study: its scenario file, its seed and the versions of all that computes.
+
+    ``own`` are digests of the caller's trackers by their address.
+    """
     scenario = hashlib.sha256(text.encode()).hexdigest()
-    return {"seed": seed, "scenario": scenario, "versions": versions(digests(parts)), PROCESSOR: processor()}
+    return {
+        "seed": seed,
+        "scenario": scenario,
+        "versions": versions(digests(parts) | dict(own or {})),
+        PROCESSOR: processor(),
+    }
 
 
-def open_study(folder: Path, text: str, seed: int, anew: bool = False, parts: Iterable[Part] = ()) -> None:
+def open_study(
+    folder: Path,
+    text: str,
+    seed: int,
+    anew: bool = False,
+    parts: Iterable[Part] = (),
+    own: Mapping[str, str] | None = None,
+) -> None:
     """Make a folder that of this study: new, or the same study's; ``anew`` throws another study away.
 
     Raises ``OutputError`` with one sentence.
     """
-    mine = identity(text, seed, parts)
+    mine = identity(text, seed, parts, own)
     claim(folder, "study")
     begun = (folder / IDENTITY).is_file() and not anew
     if begun and _deciding(theirs := identity_of(folder)) != _deciding(mine):

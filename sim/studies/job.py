@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from sim import experiment
 from sim.errors import ScenarioError
+from sim.estimation.own_trackers import OwnTrackers
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics.ensemble.verdict import CRASHED, REFUSED
@@ -28,6 +29,7 @@ class Job(NamedTuple):
     drawn: dict[str, float]  # what the sample changes
     cache: str | None = None  # folder of flights that cells share
     parts: tuple[Part, ...] = ()  # kinds from outside that the study names
+    own: OwnTrackers | None = None  # trackers of the caller
 
 
 def fly(job: Job) -> dict[str, Any]:
@@ -52,7 +54,8 @@ def fly(job: Job) -> dict[str, Any]:
 
 
 def _judged(prepared: Prepared, flight: Flight, job: Job) -> dict[str, Any]:
-    return _placed(job, experiment.record_of(job.flight, experiment.evaluate(prepared, flight, job.flight)))
+    found = experiment.evaluate(prepared, flight, job.flight, job.own)
+    return _placed(job, experiment.record_of(job.flight, found))
 
 
 def lost(job: Job, reason: str, outcome: str = CRASHED) -> dict[str, Any]:
