@@ -283,14 +283,17 @@ def _elsewhere(
 
 def _recorded_there(tables: str, parts: tuple[Part, ...], number: int, own: OwnTrackers | None) -> dict[str, Any]:
     """In a worker: the record of a flight."""
-    return recorded(prepared_from(tables, parts), number, own)
+    return recorded(prepared_from(tables, parts, bool(own)), number, own)
 
 
 @functools.lru_cache(maxsize=1)
-def prepared_from(tables: str, parts: tuple[Part, ...]) -> Prepared:
-    """The preparation of tables in JSON, shared by flights that come one after another in a worker."""
+def prepared_from(tables: str, parts: tuple[Part, ...], own: bool = False) -> Prepared:
+    """The preparation of tables in JSON, shared by flights that come one after another in a worker.
+
+    ``own`` says whether the caller has brought trackers.
+    """
     scenario = read(json.loads(tables), plugins=parts)
-    if not scenario.trackers:
+    if not scenario.trackers and not own:
         scenario = dataclasses.replace(scenario, sensors={})  # nobody listens to them
     return prepare(scenario)
 

@@ -20,7 +20,7 @@ class StudyResult:
     @property
     def broken(self) -> list[str]:
         """A sentence for each check that failed; empty where all passed."""
-        return broken_checks(self.metrics, lambda flight, _: f"sim.run(..., flight={flight})")
+        return broken_checks(self.metrics, lambda flight, at: f"sim.run(..., overrides={dict(at)}, flight={flight})")
 
     def __repr__(self) -> str:
         """A few lines, however many cells and flights there are."""

@@ -36,7 +36,7 @@ def fly(job: Job) -> dict[str, Any]:
     """The record of one flight, that of a run with its place in the study; one that cannot begin is a record too."""
     try:
         tables = json.dumps(with_values(job.tables, job.drawn))
-        prepared = experiment.prepared_from(tables, tuple(job.parts))
+        prepared = experiment.prepared_from(tables, tuple(job.parts), bool(job.own))
     except ScenarioError as error:
         return lost(job, str(error), REFUSED)
     place, name = _kept_at(prepared, job)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,7 +53,10 @@ class Study:
 
 
 def plan(scenario: Scenario, plugins: Any = (), own: Iterable[str] = ()) -> Study:
-    """What a study flies; ``own`` are the caller's trackers. Raises ``ScenarioError`` for axes and checks that no flight has, before anything is flown."""
+    """What a study flies, with ``own`` trackers of the caller.
+
+    Raises ``ScenarioError`` for axes and checks that no flight has, before anything is flown.
+    """
     table = scenario.study
     if table is None:
         raise ScenarioError(

@@ -51,8 +51,9 @@ def study(
 ) -> dict[str, Any]:
     """Fly a study into a folder, going on with what the folder already has of it; returns its metrics.
 
-    ``trackers`` are the caller's own, on every flight. ``plugins`` bring kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``.
-    ``remark`` is called with what is to be known, also of lines of the folder's log that had to be left out.
+    ``trackers`` are the caller's own, on every flight. ``plugins`` bring kinds that are not bundled: paths of files, or
+    imported modules, with a table ``SHORTFINAL``. ``remark`` is called with what is to be known, also of lines of the
+    folder's log that had to be left out.
 
     Raises ``ScenarioError`` and ``OutputError`` before anything is written, ``OutputError`` when the disk fills.
     """
