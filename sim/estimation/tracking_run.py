@@ -46,6 +46,11 @@ class Tracked(NamedTuple):
     rollout: Track | None = None  # after the landing; None = nothing was measured then
     squares: dict[str, Any] | None = None  # its squared errors by time (metrics.contrasts), where it is contrasted
 
+    def __repr__(self) -> str:
+        """One line; a tracker may hold filters, and its track thousands of covariances."""
+        law = "" if self.law_from is None else f", law from {self.law_from}"
+        return f"<Tracked by {type(self.tracker).__name__}{law}: {self.track!r}>"
+
 
 class Watch(NamedTuple):
     """A flight with the records of its sensors: what all its trackers share."""
