@@ -25,6 +25,7 @@ from sim.scenario.schema import name_faults
 from tracking.contract import missing_members
 from tracking.track import Tracker
 
+OWN = "own"  # how addresses of such trackers begin
 Law = Literal["autopilot"] | Mapping[str, float]
 
 
@@ -176,5 +177,5 @@ def digests_of_own(own: Mapping[str, Any]) -> dict[str, str]:
             text = inspect.getsource(inspect.getmodule(made if isinstance(made, type) else type(made)) or OwnTracker)
         except (OSError, TypeError):  # typed at a prompt
             text = ""
-        found[f"own.{name}"] = hashlib.sha256(content + text.encode()).hexdigest()[:16]
+        found[f"{OWN}.{name}"] = hashlib.sha256(content + text.encode()).hexdigest()[:16]
     return found

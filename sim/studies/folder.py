@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.errors import OutputError
+from sim.estimation.own_trackers import OWN
 from sim.files import claim, opened, read_bytes, refuse_links, replace
 from sim.reporting.text.broken_checks import Again, run_again
 from sim.scenario.plugins import FAMILIES, Catalogue, Part, digests
@@ -86,6 +87,9 @@ def begun(folder: Path) -> float:
 def check_parts(folder: Path, catalogue: Catalogue) -> None:
     """Refuse to go on with a study whose parts from outside are missing or have changed: a folder holds no code."""
     for address, digest in identity_of(folder).get("versions", {}).get("parts", {}).items():
+        if address.partition(".")[0] == OWN:
+            name = address.partition(".")[2]
+            raise OutputError(f"{folder}: was begun from Python with a tracker '{name}'; go on there: sim.study")
         try:
             part = catalogue.named(*address.split(".", 1))
         except KeyError:
@@ -156,7 +160,7 @@ def _is_identity(found: Any) -> bool:
     if type(found["seed"]) is not int or not isinstance(parts, dict):
         return False
     words = [found["scenario"], *(version for name, version in versions.items() if name != "parts"), *parts.values()]
-    known = all(address.partition(".")[0] in FAMILIES and "." in address for address in parts)
+    known = all(address.partition(".")[0] in (*FAMILIES, OWN) and "." in address for address in parts)
     return known and all(isinstance(word, str) and word.isprintable() for word in (*words, *versions, *parts))
 
 

@@ -12,6 +12,7 @@ import pytest
 
 import sim
 from sim.files import plain
+from sim.metrics.conformance import MISMATCHED
 from sim.reporting.columns import table_of
 from sim.reporting.notebook import leader
 from sim.reporting.run_files import flight_arrays
@@ -77,7 +78,7 @@ def test_a_tracker_that_is_told_another_law_or_loses_the_track_is_not_the_best()
     def one(rmse, law=None, lost=0.0):
         return {"law_from": law, "lost_fraction": lost, "overall": {"position_m": {"rmse": rmse}}}
 
-    told = {"wrong": one(1.0, "mismatched law"), "lost": one(2.0, lost=0.5), "good": one(30.0), "none": {"overall": {}}}
+    told = {"wrong": one(1.0, MISMATCHED), "lost": one(2.0, lost=0.5), "good": one(30.0), "none": {"overall": {}}}
     assert leader({"trackers": told}) == ("good", "position_m", 30.0)
     assert leader({"trackers": {}}) is None
 
@@ -184,11 +185,19 @@ def test_a_loaded_result_is_saved_to_the_same_bytes(folder, tmp_path):
 
 
 def test_a_flight_with_its_rollout_and_one_of_several_are_loaded_as_they_were(tmp_path):
-    given = {"until_s": 12.0, "start.distance_m": 900.0, "trackers": {}, "sensors": {}, "contrasts": [], "checks": []}
+    given = {
+        "start.phase": "final",
+        "start.distance_m": 2000.0,
+        "trackers": {},
+        "sensors": {},
+        "contrasts": [],
+        "checks": [],
+    }
     for number, changes in enumerate(({**given}, {**given, "flights": 2, "wind.turbulence": "light"})):
         flown = sim.run("an26_crosswind", overrides=changes, flight=None if number == 0 else 1)
         again = sim.load(flown.save(tmp_path / str(number)))
         assert again.number == number
+        assert flown.flight.rollout is not None
         assert equal(again.flight, flown.flight)
 
 
