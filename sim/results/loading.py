@@ -46,15 +46,17 @@ def load(folder: str | Path, *, plugins: Plugins = (), trackers: Mapping[str, An
     """
     place = Path(folder)
     _refuse_other(place)
-    metrics = _json(place / METRICS)
-    _refuse_version(place, metrics)
+    with _blamed(place / METRICS):
+        metrics = _json(place / METRICS)
+        _refuse_version(place, metrics)
+        judged = {*metrics["trackers"]}
     try:
         scenario = reading.read(place / SCENARIO, plugins=plugins, checks=unknown_names)
         prepared = prepare(scenario)
     except ScenarioError as error:
         raise OutputError(f"{place}: its scenario cannot be read: {error}") from None
-    with _undamaged(place / FLIGHT) as content:
-        arrays = _arrays(content)
+    with _blamed(place / FLIGHT):
+        arrays = _arrays(place / FLIGHT)
         words = json.loads(str(arrays[WORDS]))
         flight, number = _flight(prepared, arrays, words), int(words["number"])
     own = dict(trackers or {})
@@ -70,9 +72,10 @@ def load(folder: str | Path, *, plugins: Plugins = (), trackers: Mapping[str, An
         return found
 
     records = Again(scenario.sensors, looked)
-    known = {name for name, one in metrics["trackers"].items() if name in (*scenario.trackers, *own)}
+    known = [name for name in (*scenario.trackers, *own) if name in judged]
     tracks = Again(known, tracked) if known else {}
-    timing = _json(place / TIMING) if (place / TIMING).is_file() else {}
+    with _blamed(place / TIMING):
+        timing = _json(place / TIMING) if (place / TIMING).is_file() else {}
     return Result(prepared, number, flight, records, tracks, metrics, timing, own)
 
 
@@ -119,10 +122,10 @@ def _refuse_version(place: Path, metrics: dict[str, Any]) -> None:
 
 
 @contextlib.contextmanager
-def _undamaged(path: Path) -> Iterator[bytes]:
-    """The content of a file; whatever fails within is its fault."""
+def _blamed(path: Path) -> Iterator[None]:
+    """Whatever fails within is the fault of this file, which may come from anywhere."""
     try:
-        yield read_bytes(path)
+        yield
     except OutputError:
         raise
     except DAMAGED:
@@ -130,15 +133,14 @@ def _undamaged(path: Path) -> Iterator[bytes]:
 
 
 def _json(path: Path) -> dict[str, Any]:
-    with _undamaged(path) as content:
-        found = json.loads(content)
-        if not isinstance(found, dict):
-            raise ValueError("no table")
-        return found
+    found = json.loads(read_bytes(path))
+    if not isinstance(found, dict):
+        raise ValueError("no table")
+    return found
 
 
-def _arrays(content: bytes) -> dict[str, np.ndarray]:
-    with np.load(io.BytesIO(content)) as arrays:
+def _arrays(path: Path) -> dict[str, np.ndarray]:
+    with np.load(io.BytesIO(read_bytes(path))) as arrays:
         return dict(arrays.items())
 
 
@@ -176,8 +178,8 @@ def _as_flown(columns: Any, rows: slice) -> np.ndarray:
 
 def _hold(path: Path, made: dict[str, np.ndarray]) -> None:
     """Raise ``OutputError`` where arrays that were made again are not those of a file, which may hold more."""
-    with _undamaged(path) as content:
-        kept = _arrays(content)
+    with _blamed(path):
+        kept = _arrays(path)
         for name, array in made.items():
             if name not in kept or not np.array_equal(kept[name], array, equal_nan=array.dtype.kind == "f"):
                 raise OutputError(f"{path}: holds another {name} than its scenario gives here; {AGAIN}")

@@ -195,6 +195,10 @@ def test_a_flight_of_several_with_its_rollout_is_loaded_as_it_was(tmp_path):
     assert equal(again.flight, flown.flight)
 
 
+def flown_versions(folder):
+    return json.loads((folder / "metrics.json").read_text())["versions"]
+
+
 def spoilt(folder, tmp_path):
     place = tmp_path / "spoilt"
     shutil.copytree(folder, place)
@@ -226,6 +230,9 @@ def test_a_folder_that_is_no_whole_run_is_refused_in_one_sentence(folder, tmp_pa
     content = (place / "flight.npz").read_bytes()
     (place / "flight.npz").write_bytes(content[: len(content) // 2])
     assert "flight.npz: damaged" in refused(place)
+    for content in ("[]", '{"versions": 5}', "{", json.dumps({"versions": flown_versions(folder)})):
+        (place / "metrics.json").write_text(content)
+        assert "metrics.json: damaged" in refused(place)
     (place / "cache").mkdir()
     assert "holds a study, not a run" in refused(place)
 
