@@ -14,9 +14,14 @@ Verbs, in the order of a run
 - `fly` - Prepared -> `Flight`: the closed loop of aircraft and autopilot (sim.experiment)
 - `observe` - Flight and sensors -> a `SensorRecord` for each sensor (sim.observation.record)
 - `track` - Prepared, Flight, records -> a `Tracked` for each tracker, and its figures (sim.estimation.tracking_run)
-- `report` - `Result` and a folder -> the files of the run (sim.experiment)
+- `report` - `Result` and a folder -> the files of the run and its page, whose path it returns (sim.experiment)
 - `identify` - Flight -> `LawFit`: the route law that flew the capture of a leg (sim.studies.identification.captures)
 - `run` - all of them but the report, and the checks -> `Result` (sim.experiment)
+- `study` - a scenario over the axes of its ``[study]`` -> `StudyResult` (sim.studies.studied)
+- `explain` - what a scenario resolves to, as text: route, trim, modes, gains, limits, checks (sim.cli.explain)
+- `tracker` - a class of one's own, its sensors, law, route -> `OwnTracker` for run (sim.estimation.own_trackers)
+- `figures` - Result -> names and titles of its figures, for `Result.plot` (sim.results.result)
+- `load` - the folder of a run -> the Result that it was written from (sim.results.loading)
 - `recorded` - recorded tracks and a runway -> a `Flight` for each, not flown here (sim.flight.recording.flights)
 
 Units and frames
@@ -98,12 +103,20 @@ Data
       course, or None where it flew all of the capture
     - ``cross_track_rms`` m, ``bank_rms`` rad - what the law leaves; ``explained``, and ``objections``, sentences
     - ``capture`` - the record of it; ``flown`` - the same by the law; ``frequency`` rad/s and ``damping`` of the law
-- `Result` - what a run found out (sim.result)
+- `Result` - what a run found out (sim.results.result)
     - ``prepared``, ``scenario``; ``metrics`` - as in metrics.json, of all flights; ``contrasted`` - sentences about
       each pair of trackers that are set against each other; ``broken`` - one for each check that failed; ``timing`` s;
       ``own`` - trackers that the caller brought
     - of one flight, the first or the only one, everything: its ``number``; ``flight``; ``records`` and ``tracks`` -
       SensorRecord and Tracked by name. ``sim.run(..., flight=3)`` has another
+    - ``plot`` draws a figure by name with matplotlib, ``to_dataframe`` gives a table to pandas: flight, measurements,
+      trackers or errors; ``save`` writes the folder that `load` reads
+- `StudyResult` - what a study found out (sim.results.studied)
+    - ``folder`` that holds it, or None; ``metrics`` - as in its metrics.json; ``broken`` - one sentence for each check
+      that failed
+- `OwnTracker` - a tracker of the caller with what it is given (sim.estimation.own_trackers)
+    - ``made`` - a tracker, or the class that makes one; ``sensors`` it listens to, None = all that it can read; ``law``
+      - "autopilot", changes to that, or None; ``route`` - whether it is given that; ``parameters`` of its class
 
 Errors
 ------
@@ -123,16 +136,21 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from aircraft.state import AircraftState, Command
     from autopilot.identification import LawFit
+    from sim.cli.explain import explain
     from sim.errors import OutputError, ScenarioError
+    from sim.estimation.own_trackers import OwnTracker, tracker
     from sim.estimation.tracking_run import Tracked, track
     from sim.experiment import fly, read, report, run
     from sim.flight.preparation import Prepared, prepare
     from sim.flight.record import Flight
     from sim.flight.recording.flights import recorded
     from sim.observation.record import SensorRecord, observe
-    from sim.result import Result
+    from sim.results.loading import load
+    from sim.results.result import Result, figures
+    from sim.results.studied import StudyResult
     from sim.scenario.model import Scenario
     from sim.studies.identification.captures import identify
+    from sim.studies.studied import study
     from sim.versions import __version__ as __version__
     from tracking.track import Measurements, Track
 
@@ -143,37 +161,49 @@ __all__ = [
     "LawFit",
     "Measurements",
     "OutputError",
+    "OwnTracker",
     "Prepared",
     "Result",
     "Scenario",
     "ScenarioError",
     "SensorRecord",
+    "StudyResult",
     "Track",
     "Tracked",
+    "explain",
+    "figures",
     "fly",
     "identify",
+    "load",
     "observe",
     "prepare",
     "read",
     "recorded",
     "report",
     "run",
+    "study",
     "track",
+    "tracker",
 ]
 
 _HOMES = {
     "aircraft.state": ("AircraftState", "Command"),
     "autopilot.identification": ("LawFit",),
+    "sim.cli.explain": ("explain",),
     "sim.errors": ("OutputError", "ScenarioError"),
+    "sim.estimation.own_trackers": ("OwnTracker", "tracker"),
     "sim.estimation.tracking_run": ("Tracked", "track"),
     "sim.experiment": ("fly", "read", "report", "run"),
     "sim.flight.preparation": ("Prepared", "prepare"),
     "sim.flight.record": ("Flight",),
     "sim.flight.recording.flights": ("recorded",),
     "sim.observation.record": ("SensorRecord", "observe"),
-    "sim.result": ("Result",),
+    "sim.results.loading": ("load",),
+    "sim.results.result": ("Result", "figures"),
+    "sim.results.studied": ("StudyResult",),
     "sim.scenario.model": ("Scenario",),
     "sim.studies.identification.captures": ("identify",),
+    "sim.studies.studied": ("study",),
     "sim.versions": ("__version__",),
     "tracking.track": ("Measurements", "Track"),
 }

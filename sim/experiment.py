@@ -10,7 +10,7 @@ import dataclasses
 import functools
 import json
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,9 +18,10 @@ from sim.errors import ScenarioError
 from sim.estimation import assumed_height
 from sim.estimation.navigation_errors import erring_navigator
 from sim.estimation.navigator import navigator
+from sim.estimation.own_trackers import OwnTrackers, check_own
 from sim.estimation.setup import check, height_profile
 from sim.estimation.tracking_run import Tracked, track
-from sim.files import claim, plain, refuse_foreign, staged, write_json, write_npz
+from sim.files import claim, plain, refuse_foreign, staged, write_json
 from sim.flight import loop as flights
 from sim.flight.departures import with_departure_events
 from sim.flight.preparation import Prepared, prepare
@@ -36,16 +37,16 @@ from sim.metrics.navigation import navigation_quality
 from sim.observation import recordings
 from sim.observation.faults import with_fault_events
 from sim.observation.record import SensorRecord, observe
-from sim.reporting.run_files import flight_arrays, measurement_arrays, track_arrays
 from sim.reporting.text.warnings import contrast_warnings, skipped_looks, unjudged, warnings
-from sim.result import Result, timed
+from sim.results.result import Result, timed
+from sim.results.saving import TIMING, write_files
 from sim.scenario import reading
 from sim.scenario.axes import samples
 from sim.scenario.budget import refuse_too_much, refuse_workers
 from sim.scenario.model import Scenario
-from sim.scenario.plugins import Catalogue, Part, catalogue_with, digests, load_parts, said
+from sim.scenario.plugins import Catalogue, Part, Plugins, catalogue_with, digests, load_parts, said
+from sim.scenario.reading import Source
 from sim.scenario.tables import Check
-from sim.scenario.toml_writer import dumps
 from sim.versions import versions
 from sim.workers.executors import FLIGHT_TIME_LIMIT, LocalExecutor, Lost, refuse_small_limit
 from sim.workers.isolation import run_isolated
@@ -58,9 +59,7 @@ FEW = 4  # trackers are done before a helper process has got ready
 SHOWN = 3  # flights that a report draws
 
 
-def read(
-    source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None, *, plugins: Any = ()
-) -> Scenario:
+def read(source: Source, overrides: Mapping[str, Any] | None = None, *, plugins: Plugins = ()) -> Scenario:
     """A scenario from a file, a bundled name or a dict of tables, with ``{"table.key": value}`` overrides.
 
     ``plugins`` bring kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``.
@@ -101,16 +100,16 @@ def _fly(prepared: Prepared, number: int) -> Flight:
 
 
 def run(
-    source: str | Path | dict[str, Any] | Scenario,
+    source: Source | Scenario,
     *,
     seed: int | None = None,
     flights: int | None = None,
     draws: int | None = None,
     flight: int | None = None,
     workers: int = 1,
-    overrides: dict[str, Any] | None = None,
-    trackers: dict[str, Any] | None = None,
-    plugins: Any = (),
+    overrides: Mapping[str, Any] | None = None,
+    trackers: OwnTrackers | None = None,
+    plugins: Plugins = (),
     progress: Callable[..., Any] | None = None,
     remark: Callable[[str], None] | None = None,
 ) -> Result:
@@ -122,7 +121,8 @@ def run(
     flight : the number of one flight, to fly it alone; of a study with what is drawn for it
     workers : processes that share the flights beside the first; the numbers do not depend on it
     overrides : ``{"table.key": value}`` in the spelling of files
-    trackers : further trackers by name, objects of the ``tracking.track.Tracker`` protocol
+    trackers : further trackers by name: objects of the ``tracking.track.Tracker`` protocol, which listen to all sensors
+        that they can read, or what `sim.tracker` makes of them
     plugins : what brings kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``
     remark : called with each warning that is known before anything flies
 
@@ -147,7 +147,8 @@ def run(
             known = (*scenario.trackers, *(trackers or {}))
             refuse_unfit(scenario.name, (), 1, known, contrasts=scenario.contrasts)
         prepared = prepare(scenario)
-        check(prepared, trackers)
+        check(prepared)
+        check_own(prepared, trackers)
     if remark is not None:
         for sentence in prepared.warnings:
             remark(sentence)
@@ -186,7 +187,8 @@ def run(
     }
     if len(records) > 1:
         metrics["each_flight"] = records
-    return Result(prepared, number, flown, found.records, found.tracks, metrics, timing | found.timing, trackers or {})
+    own = dict(trackers or {})
+    return Result(prepared, number, flown, found.records, found.tracks, metrics, timing | found.timing, own)
 
 
 def refuse_unfit_run(scenario: Scenario, own: Iterable[str] = ()) -> None:
@@ -229,7 +231,7 @@ def drawn_for(scenario: Scenario, flight: int, catalogue: Catalogue) -> Scenario
 
 
 def _first(
-    prepared: Prepared, numbers: Sequence[int], own: dict[str, Any] | None, timing: dict[str, float]
+    prepared: Prepared, numbers: Sequence[int], own: OwnTrackers | None, timing: dict[str, float]
 ) -> tuple[list[dict[str, Any]], int, Flight, Evaluation]:
     """The first flight that has an end, with its number, and records of those before; raises where none has."""
     crashes: list[dict[str, Any]] = []
@@ -248,7 +250,7 @@ def _first(
 def _others(
     prepared: Prepared,
     numbers: Sequence[int],
-    own: dict[str, Any] | None,
+    own: OwnTrackers | None,
     workers: int,
     progress: Callable[..., Any] | None,
 ) -> list[dict[str, Any]]:
@@ -265,7 +267,7 @@ def _others(
 
 
 def _elsewhere(
-    prepared: Prepared, numbers: Sequence[int], own: dict[str, Any] | None, workers: int
+    prepared: Prepared, numbers: Sequence[int], own: OwnTrackers | None, workers: int
 ) -> Iterator[tuple[int, Any]]:
     """Number and record of flights, or ``Lost``, as worker processes end them."""
     tables = {**prepared.scenario.tables, "designed": prepared.design, "study": None}
@@ -279,21 +281,24 @@ def _elsewhere(
         executor.close()
 
 
-def _recorded_there(tables: str, parts: tuple[Part, ...], number: int, own: dict[str, Any] | None) -> dict[str, Any]:
+def _recorded_there(tables: str, parts: tuple[Part, ...], number: int, own: OwnTrackers | None) -> dict[str, Any]:
     """In a worker: the record of a flight."""
-    return recorded(prepared_from(tables, parts), number, own)
+    return recorded(prepared_from(tables, parts, bool(own)), number, own)
 
 
 @functools.lru_cache(maxsize=1)
-def prepared_from(tables: str, parts: tuple[Part, ...]) -> Prepared:
-    """The preparation of tables in JSON, shared by flights that come one after another in a worker."""
+def prepared_from(tables: str, parts: tuple[Part, ...], own: bool = False) -> Prepared:
+    """The preparation of tables in JSON, shared by flights that come one after another in a worker.
+
+    ``own`` says whether the caller has brought trackers.
+    """
     scenario = read(json.loads(tables), plugins=parts)
-    if not scenario.trackers:
+    if not scenario.trackers and not own:
         scenario = dataclasses.replace(scenario, sensors={})  # nobody listens to them
     return prepare(scenario)
 
 
-def recorded(prepared: Prepared, number: int, own: dict[str, Any] | None = None) -> dict[str, Any]:
+def recorded(prepared: Prepared, number: int, own: OwnTrackers | None = None) -> dict[str, Any]:
     """The record of one flight, flown, observed, tracked and judged; one that cannot be flown is a record too."""
     try:
         return record_of(number, evaluate(prepared, fly(prepared, number), number, own))
@@ -329,7 +334,7 @@ class Evaluation(NamedTuple):
     timing: dict[str, float]
 
 
-def evaluate(prepared: Prepared, flight: Flight, number: int = 0, own: dict[str, Any] | None = None) -> Evaluation:
+def evaluate(prepared: Prepared, flight: Flight, number: int = 0, own: OwnTrackers | None = None) -> Evaluation:
     """Let the sensors of a scenario see a flight and its trackers follow it, and judge both.
 
     Parameters
@@ -372,7 +377,7 @@ def run_to_folder(
     overrides: dict[str, Any],
     out: Path | None,
     progress: Callable[..., Any] | None = None,
-    plugins: Any = (),
+    plugins: Plugins = (),
     remark: Callable[[str], None] | None = None,
     flight: int | None = None,
     workers: int = 1,
@@ -385,11 +390,7 @@ def run_to_folder(
     refuse_foreign(folder, "run")
     with helper(len(scenario.trackers) >= FEW, functools.partial(_get_ready, scenario.parts)):
         result = run(scenario, flight=flight, workers=workers, progress=progress, remark=remark)
-        claim(folder, "run")
-        with staged(folder) as place:
-            report(result, place)
-            result.timing["total_s"] = time.perf_counter() - started
-            write_json(place / "timing.json", result.timing)
+        report(result, folder, started)
     return folder, result
 
 
@@ -398,29 +399,34 @@ def _get_ready(parts: tuple[Part, ...]) -> None:
     load_parts(parts)
 
 
-def report(result: Result, folder: Path) -> None:
-    """Write the files of a run into an existing folder.
+def report(result: Result, folder: str | Path, started: float | None = None) -> Path:
+    """Write the files of a run and its page into a folder, which is made; returns the page.
 
-    The arrays are those of the flight that the result has as a whole. Of several flights the page shows the worst
-    first, and a few more, which are flown again: nothing else was kept of them.
+    ``started`` is when the run began, by ``time.perf_counter``. The arrays are those of the flight that the result has
+    as a whole. Of several flights the page shows the worst first, and a few more, which are flown again: nothing else
+    was kept of them.
+
+    Raises ``OutputError`` for a folder that holds what something else wrote.
     """
     from sim.reporting.run_page import write
 
-    with timed(result.timing, "report_s"):
-        resolved = {**result.scenario.tables, "designed": result.prepared.design}
-        (folder / "scenario.toml").write_text(dumps(resolved), encoding="utf-8")
-        write_json(folder / "metrics.json", result.metrics)
-        write_npz(folder / "flight.npz", flight_arrays(result.flight.whole))
-        write_npz(folder / "measurements.npz", measurement_arrays(result.records))
-        write_npz(folder / "tracks.npz", track_arrays(result.tracks))
-        write(
-            folder / "report.html",
-            scenario=result.scenario,
-            law=result.prepared.law,
-            metrics=result.metrics,
-            versions=result.metrics["versions"],
-            flights=_seen(result),
-        )
+    folder = Path(folder)
+    claim(folder, "run")
+    with staged(folder) as place:
+        with timed(result.timing, "report_s"):
+            write_files(result, place)
+            write(
+                place / "report.html",
+                scenario=result.scenario,
+                law=result.prepared.law,
+                metrics=result.metrics,
+                versions=result.metrics["versions"],
+                flights=_seen(result),
+            )
+        if started is not None:
+            result.timing["total_s"] = time.perf_counter() - started
+        write_json(place / TIMING, result.timing)
+    return folder / "report.html"
 
 
 def _seen(result: Result) -> Iterator[Seen]:
@@ -436,7 +442,8 @@ def _seen(result: Result) -> Iterator[Seen]:
     for number in shown:
         if number == result.number:
             trackers = each[number]["metrics"].get("trackers", {}) if each else result.metrics["trackers"]
-            yield Seen(number, result.flight, result.records, result.tracks, result.metrics["flight"], trackers, chart)
+            seen = dict(result.records), dict(result.tracks)
+            yield Seen(number, result.flight, *seen, result.metrics["flight"], trackers, chart)
         else:
             flight = fly(result.prepared, number)
             found = evaluate(result.prepared, flight, number, result.own)

@@ -171,6 +171,7 @@ def fly(
     source: str | Path | dict[str, Any],
     overrides: dict[str, Any] | None = None,
     plugins: Iterable[Any] = (),
+    trackers: dict[str, Any] | None = None,
 ) -> Any:
     """The result of a scenario, flown once in a pytest run however many tests look at it."""
     import sim
@@ -179,8 +180,9 @@ def fly(
     scenario = sim.read(source, overrides, plugins=(*item.config.getini("shortfinal_plugins"), *plugins))
     flown = item.session.stash.setdefault(FLOWN, {})
     key = json.dumps([scenario.tables, digests(scenario.parts)], sort_keys=True)
+    key += "".join(f" {name} {id(one)}" for name, one in (trackers or {}).items())  # its result keeps them alive
     if key not in flown:
-        flown[key] = sim.run(scenario, workers=workers(item))
+        flown[key] = sim.run(scenario, workers=workers(item), trackers=trackers)
     item.stash.setdefault(USED, []).append(flown[key])
     return flown[key]
 
@@ -191,7 +193,8 @@ def shortfinal(request: pytest.FixtureRequest) -> Callable[..., Any]:
 
     The scenario is a bundled name, a file beside the test, a path or a dict of tables; ``seed``, ``flights`` and
     ``draws`` may be named. ``plugins`` are modules, or files beside the test, with kinds that the scenario names,
-    beside those of the ini key ``shortfinal_plugins``. The same scenario is flown once.
+    beside those of the ini key ``shortfinal_plugins``, and ``trackers`` the test's own, as for ``sim.run``. The same
+    scenario with the same trackers is flown once.
     """
 
     def found(source: Any) -> Any:
@@ -203,9 +206,10 @@ def shortfinal(request: pytest.FixtureRequest) -> Callable[..., Any]:
         overrides: dict[str, Any] | None = None,
         *,
         plugins: Iterable[Any] = (),
+        trackers: dict[str, Any] | None = None,
         **given: int,
     ) -> Any:
-        return fly(request.node, found(source), {**(overrides or {}), **given}, map(found, plugins))
+        return fly(request.node, found(source), {**(overrides or {}), **given}, map(found, plugins), trackers)
 
     return run
 
@@ -241,14 +245,11 @@ def _kept(item: pytest.Item, result: Any, folder: Path) -> str:
 def keep(result: Any, place: Path) -> Path:
     """Write the folder of a run or a study."""
     from sim.experiment import report
-    from sim.files import claim, staged, write_json
+    from sim.files import claim
 
     if isinstance(result, Judged):
         claim(place, "study")
         shutil.copytree(result.folder, place, dirs_exist_ok=True)
         return place
-    claim(place, "run")
-    with staged(place) as whole:
-        report(result, whole)
-        write_json(whole / "timing.json", result.timing)
+    report(result, place)
     return place

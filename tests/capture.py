@@ -26,3 +26,8 @@ cross_track_m = {cross_track_m}
 """
 
 CAPTURE = tomllib.loads(capture(name="capture"))  # as tables
+
+
+def capture_tables(**keys: str | float) -> dict[str, object]:
+    """The same as tables, with ``keys`` such as name and until_s."""
+    return {**CAPTURE, **keys}

@@ -32,7 +32,7 @@ ROOMS = (
     ("metrics",),
     ("estimation",),
     ("reporting",),
-    ("result",),
+    ("results",),
     ("experiment",),
     ("studies",),
     ("claims",),
@@ -48,10 +48,14 @@ CONFINED = {
     "jsbsim": ("aircraft/",),
     "control": ("autopilot/",),
     "filterpy": ("tracking/filterpy_adapter.py",),
-    "matplotlib": ("sim/reporting/drawing/matplotlib_backend.py",),
+    "matplotlib": (
+        "sim/reporting/drawing/matplotlib_backend.py",
+        "sim/results/result.py",
+    ),  # there its name only, for a type
     "contourpy": ("sim/reporting/drawing/contours.py",),
     "jinja2": ("sim/reporting/page.py",),
     "distributed": ("sim/workers/cluster.py",),
+    "pandas": ("sim/reporting/frames.py", "sim/results/result.py"),  # there its name only, for a type
     "pyarrow": ("sim/cli/export.py", "sim/interchange/track_writer.py", "sim/interchange/tables.py"),
 }
 HEAVY = (*CONFINED, "scipy")  # what a user who asks for help should not wait for

@@ -75,6 +75,10 @@ class Measurements:
         _require(not np.isinf(z).any(), "a measurement is infinite; an absent one is NaN")
         _check_covariances(self)
 
+    def __repr__(self) -> str:
+        """One line; the arrays have thousands of epochs."""
+        return f"<Measurements of {', '.join(self.channels)}: {len(self.time)} epochs>"
+
     def runs(self, chosen: slice) -> Measurements:
         """The measurements of some runs (a slice of the last axis)."""
         R = self.R if np.ndim(self.R) == 3 or self.R.shape[-1] == 1 else self.R[..., chosen]
@@ -146,6 +150,11 @@ class Track(NamedTuple):
     log_likelihood: Any  # (k, *B)
     model_probabilities: Any | None  # (k, M, *B)
     skipped: Any | None = None  # (k, *B) whether something measured could not be used; None = everything could
+
+    def __repr__(self) -> str:
+        """One line; the arrays have thousands of updates."""
+        draws = "" if np.ndim(self.mean) < 3 else f", {np.shape(self.mean)[2]} draws"
+        return f"<Track of {', '.join(self.channels)}: {len(self.time)} updates{draws}>"
 
 
 class Tracker(Protocol):

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from datetime import UTC, datetime
+from typing import Any
 
 from aircraft.errors import TrimError
 from aircraft.linearise import linearise
@@ -14,6 +16,7 @@ from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
 from sim.cli.terminal import table
 from sim.estimation.setup import check, told
+from sim.experiment import read
 from sim.flight import swings
 from sim.flight.arrivals import vectoring
 from sim.flight.departures import in_words
@@ -25,12 +28,21 @@ from sim.metrics import windshear
 from sim.observation import faults
 from sim.scenario.arrivals.vectored import VectoredTable
 from sim.scenario.model import Scenario
+from sim.scenario.plugins import Plugins, catalogue_with
+from sim.scenario.reading import Source
 from sim.scenario.tables import Check
 from sim.workers.isolation import run_isolated
 
 
-def explain(scenario: Scenario) -> str:
-    """The text of ``shortfinal explain``; raises ``ScenarioError`` for what cannot be flown."""
+def explain(scenario: Source | Scenario, overrides: Mapping[str, Any] | None = None, *, plugins: Plugins = ()) -> str:
+    """What a scenario resolves to: route, trim, modes, gains, limits, checks; all that is given is as for ``sim.read``.
+
+    Raises ``ScenarioError`` for what cannot be flown.
+    """
+    if not isinstance(scenario, Scenario):
+        scenario = read(scenario, overrides, plugins=plugins)
+    elif overrides:
+        scenario = read(scenario.tables, overrides, plugins=catalogue_with(plugins).also(scenario.parts))
     prepared = prepare(scenario)
     check(prepared)
     parts = [_head(prepared), _route(prepared), *_vectors(prepared), *_navigation(prepared)]

@@ -19,8 +19,7 @@ import numpy as np
 from sim.errors import OutputError
 from sim.files import DAMAGED, opened, read_bytes, refuse_unwritten, staged
 from sim.metrics.contrasts.pairing import TABLES
-from sim.reporting.run_files import with_unit
-from sim.scenario.schema import NAME
+from sim.reporting.columns import Columns, groups, table_of
 from sim.studies.folder import IDENTITY, stamp
 from sim.studies.kept import flight_log
 
@@ -30,8 +29,6 @@ if TYPE_CHECKING:
 RECORDS = ("flight", "measurements", "tracks")
 METRICS = "metrics.json"
 FIGURE = ("ratio", "low", "high", "of", "against", "n")  # of a contrast
-PER_CHANNEL = ("channels", "units")
-Columns = dict[str, np.ndarray]
 
 
 def export(folder: Path, kind: str) -> list[Path]:
@@ -79,7 +76,7 @@ def _tables(folder: Path) -> dict[str, Columns]:
     found: dict[str, Columns] = {}
     for record in RECORDS:
         with _undamaged(folder / f"{record}.npz") as file:
-            found |= {f"{record}.{name}" if name else record: _table(of) for name, of in _groups(_load(file)).items()}
+            found |= {f"{record}.{name}" if name else record: table_of(of) for name, of in groups(_load(file)).items()}
     with _undamaged(folder / METRICS) as file:
         rows = _contrasts(file) if file.is_file() else []
         return found | (
@@ -145,40 +142,6 @@ def _contrasts(path: Path) -> list[dict[str, Any]]:
 def _load(path: Path) -> Columns:
     with os.fdopen(opened(path, os.O_RDONLY), "rb") as file, np.load(file) as arrays:
         return dict(arrays.items())
-
-
-def _groups(arrays: Columns) -> dict[str, Columns]:
-    """Arrays by what stands before the last dot of their name, which is the sensor or the tracker."""
-    groups: dict[str, Columns] = {}
-    for name, array in arrays.items():
-        group, _, own = name.rpartition(".")
-        if group and not NAME.fullmatch(group):
-            raise ValueError("a name that no sensor or tracker has")
-        groups.setdefault(group, {})[own] = array
-    return groups
-
-
-def _table(arrays: Columns) -> Columns:
-    """Columns of equal length: what has one value at each instant, and channels spread over their noise draws."""
-    count = len(arrays["time_s"])
-    columns = {name: array for name, array in arrays.items() if array.shape == (count,) and name not in PER_CHANNEL}
-    for name in columns:
-        names = arrays.get(f"{name}s")
-        if names is not None and names.dtype.kind == "U":
-            columns[name] = names[columns[name]]
-    channels = [str(channel) for channel in arrays.get("channels", ())]
-    units = arrays.get("units", [None] * len(channels))  # of sensors; those of trackers follow from their names
-    values = next((arrays[name] for name in ("z", "mean") if name in arrays), None)
-    if values is None:
-        return columns
-    draws = values.shape[2]
-    columns = {name: np.repeat(column, draws) for name, column in columns.items()}
-    columns["draw"] = np.tile(np.arange(draws), count)
-    sigma = np.broadcast_to(arrays["sigma"], values.shape)
-    for row, (channel, unit) in enumerate(zip(channels, units, strict=True)):
-        columns[with_unit(channel, unit)] = values[:, row].ravel()
-        columns[with_unit(f"{channel}_sigma", unit)] = sigma[:, row].ravel()
-    return columns
 
 
 def _write_csv(path: Path, columns: Columns) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import typing
-from collections.abc import Iterable
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from aircraft.state import STANDARD_GRAVITY
@@ -19,7 +19,6 @@ from sim.observation.sensor import unplaced
 from sim.scenario.model import TrackerChoice
 from sim.scenario.parameters import GIVEN, construct
 from sim.scenario.plugins import is_outside, said
-from sim.scenario.schema import name_faults
 from tracking.contract import missing_members
 from tracking.height_profile import ChartedHeight, HeightProfile, MeasuredHeight
 from tracking.measurement import DebiasedPolar, LinearMeasurement, MeasurementModel, Stacked
@@ -45,36 +44,6 @@ def told(prepared: Prepared, cls: type) -> str:
         "route": "route",
     }
     return ", ".join(words[field] for field in words if field in _given(cls))
-
-
-def listened(prepared: Prepared, name: str, tracker: Any, sensors: Iterable[str]) -> tuple[str, ...]:
-    """The sensors that a caller's tracker listens to: all, or those that give a place where it reads places.
-
-    Where none gives a place, it has those that measure an azimuth or a range.
-
-    Raises ``ScenarioError`` where there is none.
-    """
-    places, known, sensors = reads_places(tracker), prepared.scenario.sensors, tuple(sensors)
-    found = tuple(one for one in sensors if not places or known[one].gives_place)
-    found = found or tuple(one for one in sensors if {"azimuth", "range"} & {*known[one].channels})
-    if not found:
-        wanted = "no sensor that gives a position" if places else "no sensors"
-        raise ScenarioError(
-            f"{prepared.scenario.name}: tracker '{name}' has nothing to listen to: the scenario has {wanted}; "
-            'add a table [sensors.NAME], such as kind = "surveillance_radar"'
-        )
-    return found
-
-
-def adopt(prepared: Prepared, tracker: Any, names: tuple[str, ...]) -> Any:
-    """A caller's tracker; one with a ``measurement`` (an adapted filterpy object, say) reads this scenario's radars."""
-    sensors = {name: prepared.scenario.sensors[name] for name in names}
-    cluttered = _with_clutter(sensors)
-    if cluttered:
-        raise ScenarioError(f"a tracker of the caller cannot listen to '{cluttered[0]}', which has clutter")
-    if not reads_places(tracker):
-        return tracker
-    return dataclasses.replace(tracker, measurement=measurement_model(prepared, sensors, "own"))
 
 
 def build(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, str | None]:
@@ -104,7 +73,7 @@ def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, 
     if choice.law and "law" not in wanted:
         raise ScenarioError(f"[trackers.{name}.law] kind '{choice.kind}' uses no law")
     if "law" in wanted:
-        supplied["law"], law_from = assumed_law(prepared.law, name, choice)
+        supplied["law"], law_from = changed_law(prepared.law, f"[trackers.{name}.law]", choice.law)
     if "alternative_laws" in wanted:
         supplied["alternative_laws"] = prepared.alternative_laws
     if "bank_limit" in wanted:
@@ -135,9 +104,9 @@ def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, 
             raise
         raise TrackerError(f"making one raises {said(error)}") from None
     if choice.association is None:
-        if _with_clutter(sensors):
+        if with_clutter(sensors):
             raise ScenarioError(
-                f"[trackers.{name}] sensors: '{_with_clutter(sensors)[0]}' has clutter; "
+                f"[trackers.{name}] sensors: '{with_clutter(sensors)[0]}' has clutter; "
                 'set association = "probabilistic", with it as the only sensor'
             )
         return tracker, law_from
@@ -147,7 +116,7 @@ def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, 
 def _cluttered(name: str, sensors: dict[str, Any]) -> Any:
     """The one sensor of a tracker that associates."""
     radar = next(iter(sensors.values()))
-    if len(sensors) > 1 or not _with_clutter(sensors):
+    if len(sensors) > 1 or not with_clutter(sensors):
         raise ScenarioError(
             f"[trackers.{name}] association: needs exactly one sensor, a radar with clutter above 0; "
             f"it has {', '.join(sensors)}"
@@ -157,7 +126,7 @@ def _cluttered(name: str, sensors: dict[str, Any]) -> Any:
     return radar
 
 
-def _with_clutter(sensors: dict[str, Any]) -> list[str]:
+def with_clutter(sensors: dict[str, Any]) -> list[str]:
     """Sensors whose looks hold false plots."""
     return [name for name, sensor in sensors.items() if sensor.clutter > 0.0]
 
@@ -172,20 +141,13 @@ def _given(cls: type) -> dict[str, bool]:
     }
 
 
-def check(prepared: Prepared, own: dict[str, Any] | None = None) -> None:
-    """Build every tracker once, so that what cannot be tracked is refused before anything flies.
-
-    ``own`` are trackers of the caller by name.
-    """
+def check(prepared: Prepared) -> None:
+    """Build every tracker once, so that what cannot be tracked is refused before anything flies."""
     if prepared.recording is not None:
         refuse_unknown(prepared.recording, prepared.scenario.sensors)
     for name, sensor in prepared.scenario.sensors.items():
         for sentence in unplaced(sensor):
             raise ScenarioError(f"[sensors.{name}] {sentence}")
-    for name, tracker in (own or {}).items():
-        for sentence in name_faults("trackers", name):
-            raise ScenarioError(f"tracker '{name}': {sentence}")
-        adopt(prepared, tracker, listened(prepared, name, tracker, prepared.scenario.sensors))
     choices = prepared.scenario.trackers
     built = {name: build(prepared, name, choice)[0] for name, choice in choices.items()}
     for name, choice in choices.items():
@@ -203,20 +165,23 @@ def check(prepared: Prepared, own: dict[str, Any] | None = None) -> None:
                 raise ScenarioError(f"[trackers.{name}] handover: '{choice.handover}' does not estimate {lacking[0]}")
 
 
-def assumed_law(law: Any, name: str, choice: TrackerChoice) -> tuple[Any, str]:
-    """The law that a tracker assumes, and its origin: the law that flies, with the file's values (SI) or factors."""
+def changed_law(law: Any, place: str, asked: Mapping[str, float]) -> tuple[Any, str]:
+    """The law that a tracker assumes, and its origin: the law that flies, with values (SI) or factors.
+
+    ``place`` is where they are asked for.
+    """
     changes = {}
     fields = [field.name for field in dataclasses.fields(law) if not isinstance(getattr(law, field.name), str)]
-    for key, value in choice.law.items():
+    for key, value in asked.items():
         attribute = key.removesuffix("_factor")
         if attribute not in fields:
             names = ", ".join(f"{field}_factor" for field in fields)
-            raise ScenarioError(f"[trackers.{name}.law] {key}: no such key; allowed: {names}")
+            raise ScenarioError(f"{place} {key}: no such key; allowed: {names}")
         changes[attribute] = value * getattr(law, attribute) if key.endswith("_factor") else value
     try:
         return dataclasses.replace(law, **changes), MISMATCHED if changes else "autopilot"
     except ValueError as error:
-        raise ScenarioError(f"[trackers.{name}.law] {error}") from None
+        raise ScenarioError(f"{place} {error}") from None
 
 
 def charted_route(prepared: Prepared) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,8 +11,9 @@ import numpy as np
 from sim.errors import ScenarioError
 from sim.estimation.batching import can_batch, join_runs, repeat_runs, runs_of, split_track, stack_trackers
 from sim.estimation.look_ahead import LookAhead, Looks, instants_of, look_ahead_rmse
+from sim.estimation.own_trackers import set_up
 from sim.estimation.prior import prior
-from sim.estimation.setup import adopt, build, height_profile, listened
+from sim.estimation.setup import build, height_profile
 from sim.estimation.without_truth.judged import figures_from_plots, with_agreement
 from sim.estimation.without_truth.places import places
 from sim.estimation.without_truth.predicted_plots import PredictedPlots
@@ -45,6 +46,11 @@ class Tracked(NamedTuple):
     rollout: Track | None = None  # after the landing; None = nothing was measured then
     squares: dict[str, Any] | None = None  # its squared errors by time (metrics.contrasts), where it is contrasted
 
+    def __repr__(self) -> str:
+        """One line; a tracker may hold filters, and its track thousands of covariances."""
+        law = "" if self.law_from is None else f", law from {self.law_from}"
+        return f"<Tracked by {type(self.tracker).__name__}{law}: {self.track!r}>"
+
 
 class Watch(NamedTuple):
     """A flight with the records of its sensors: what all its trackers share."""
@@ -60,7 +66,7 @@ def track(
     prepared: Prepared,
     flight: Flight,
     records: dict[str, SensorRecord],
-    own: dict[str, Any],
+    own: Mapping[str, Any],
     number: int = 0,
 ) -> tuple[dict[str, Tracked], dict[str, Any]]:
     """Run the trackers of a scenario, and ``own`` trackers of the caller, over one recorded flight.
@@ -71,7 +77,7 @@ def track(
     figures: dict[str, Any] = {}
     of_scenario = list(_of_scenario(prepared))
     watch = Watch(prepared, flight, records, {one.name: one.tracker for one in of_scenario}, number)
-    every = {one.name: one for one in (*of_scenario, *_of_caller(prepared, records, own))}
+    every = {one.name: one for one in (*of_scenario, *_of_caller(prepared, own))}
     last = float(flight.whole.time[-1])
     arrived = {  # what would arrive after the end of the flight and its roll-out is left out
         sensors: _between(measurements(records, sensors), -math.inf, last)
@@ -129,11 +135,11 @@ def _of_scenario(prepared: Prepared) -> Iterator[SetUp]:
         yield SetUp(name, choice.kind, *build(prepared, name, choice), choice.sensors, choice.handover)
 
 
-def _of_caller(prepared: Prepared, records: dict[str, SensorRecord], own: dict[str, Any]) -> Iterator[SetUp]:
-    """Trackers of the caller listen to all sensors that they can read."""
-    for name, tracker in own.items():
-        sensors = listened(prepared, name, tracker, records)
-        yield SetUp(name, "own", adopt(prepared, tracker, sensors), None, sensors, None)
+def _of_caller(prepared: Prepared, own: Mapping[str, Any]) -> Iterator[SetUp]:
+    """Trackers of the caller, with what they are to be given."""
+    for name, given in own.items():
+        made = set_up(prepared, name, given)
+        yield SetUp(name, "own", made.tracker, made.law_from, made.sensors, None)
 
 
 class Entry(NamedTuple):

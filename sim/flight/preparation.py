@@ -87,6 +87,11 @@ class Prepared:
     stall_speed: float | None = None  # m/s, equivalent, as it lands; None where none is known
     recording: Flight | None = None  # a flight that was flown elsewhere, in place of one that is flown here
 
+    def __repr__(self) -> str:
+        """One line; all that it holds fills pages."""
+        scenario = self.scenario
+        return f"<Prepared {scenario.name}: {scenario.aircraft.model} on {len(self.route.legs)} legs, {self.law!r}>"
+
     @property
     def design(self) -> dict[str, Any] | None:
         """The gains as they travel in the scenario's file; None = nothing is flown by them."""

@@ -54,6 +54,11 @@ class Flight:
     rollout: Flight | None = None  # from the landing to the stop; None = there was none
     utc: float | None = None  # s since 1970 at its time 0; None = it was flown at no date
 
+    def __repr__(self) -> str:
+        """One line; the arrays have thousands of instants."""
+        span = f"{self.time[0]:.1f} to {self.time[-1]:.1f} s" if len(self.time) else "no instant"
+        return f"<Flight {self.outcome}, {span}, {len(self.time)} instants; phases {', '.join(self.phases)}>"
+
     @property
     def known(self) -> bool:
         """Whether there is a true motion, against which anything can be judged."""

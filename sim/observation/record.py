@@ -29,6 +29,12 @@ class SensorRecord(NamedTuple):
     R: np.ndarray  # (k, m, m), or (k, m, m, draws) where the accuracy depends on the measured place
     candidates: np.ndarray | None = None  # (k, c, m, draws) plots with the false ones, of a sensor with clutter
 
+    def __repr__(self) -> str:
+        """One line; the arrays have thousands of looks."""
+        k, _, draws = self.z.shape
+        plots = ", with false plots" if self.candidates is not None else ""
+        return f"<SensorRecord of {', '.join(self.channels)}: {k} looks, {draws} draws{plots}>"
+
     def until(self, time: float) -> SensorRecord:
         """The looks that were true at ``time`` (s) or before."""
         kept = self.time <= time

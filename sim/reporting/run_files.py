@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from aircraft.state import AircraftState
@@ -50,7 +52,7 @@ def state_name(name: str) -> str:
     return next((f"{name}_{suffix}" for suffix, names in SUFFIX_OF.items() if name in names), name)
 
 
-def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray]:
+def measurement_arrays(records: Mapping[str, SensorRecord]) -> dict[str, np.ndarray]:
     """The looks of all sensors: ``SENSOR.z`` in SI and radians with its channels beside it."""
     arrays: dict[str, np.ndarray] = {}
     for name, record in records.items():
@@ -69,7 +71,7 @@ def measurement_arrays(records: dict[str, SensorRecord]) -> dict[str, np.ndarray
     return arrays
 
 
-def track_arrays(tracks: dict[str, Tracked]) -> dict[str, np.ndarray]:
+def track_arrays(tracks: Mapping[str, Tracked]) -> dict[str, np.ndarray]:
     """Estimates of all draws in single precision (a millimetre), the whole covariance of draw 0."""
     arrays: dict[str, np.ndarray] = {}
     for name, one in tracks.items():

@@ -111,20 +111,23 @@ class Catalogue:
 BUNDLED = Catalogue()
 
 
-def catalogue_with(plugins: Any = ()) -> Catalogue:
+Plugins = str | Path | ModuleType | Catalogue | Iterable[str | Path | ModuleType | Part]
+"""What brings kinds that are not bundled: files by their path, imported modules, or what was found before."""
+
+
+def catalogue_with(plugins: Plugins = ()) -> Catalogue:
     """The catalogue with what is brought: files by their path, imported modules, or parts that were found before.
 
     Raises ``ScenarioError`` in one sentence for a file or a module that brings nothing usable.
     """
     if isinstance(plugins, Catalogue):
         return plugins
-    if isinstance(plugins, str | Path | ModuleType):
-        plugins = (plugins,)
+    given: Any = (plugins,) if isinstance(plugins, str | Path | ModuleType) else plugins
     brought: list[Part] = []
     settled: list[Part] = []
-    if not isinstance(plugins, Iterable):
-        raise ScenarioError(f"plugins: must be modules or paths of files, not {plugins!r}")
-    for one in plugins:
+    if not isinstance(given, Iterable):
+        raise ScenarioError(f"plugins: must be modules or paths of files, not {given!r}")
+    for one in given:
         if isinstance(one, Part):
             settled.append(one)
         elif not isinstance(one, ModuleType | str | Path):

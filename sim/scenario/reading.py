@@ -6,7 +6,7 @@ import functools
 import math
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from sim.scenario.arrivals.navigation import NavigationErrors
 from sim.scenario.messages import faults_of, quantity, report_faults
 from sim.scenario.model import Route, Scenario, TrackerChoice
 from sim.scenario.parameters import TrueShare, construct, dump, given_values, parameters, spellings_in
-from sim.scenario.plugins import Catalogue, catalogue_with, is_outside, said
+from sim.scenario.plugins import Catalogue, Plugins, catalogue_with, is_outside, said
 from sim.scenario.recording.completion import beside_file, completed_record, runway_file, strangers
 from sim.scenario.recording.plots_alone import faults_of_plots, located, recorded
 from sim.scenario.recording.table import RecordTable, final
@@ -48,11 +48,15 @@ LONGEST_PATH = 200  # characters that are repeated to the user
 DEFAULTS: dict[str, Any] = {"seed": 1, "flights": 1, "draws": 130, "until_s": None}
 
 
+Source = str | Path | dict[str, Any]
+"""A file, a bundled name, or a dict of tables."""
+
+
 def read(
-    source: str | Path | dict[str, Any],
-    overrides: dict[str, Any] | None = None,
+    source: Source,
+    overrides: Mapping[str, Any] | None = None,
     *,
-    plugins: Any = (),
+    plugins: Plugins = (),
     checks: Callable[[dict[str, Any]], list[str]] | None = None,
 ) -> Scenario:
     """A scenario from a file, a bundled name or a dict of tables, with ``table.key`` overrides.

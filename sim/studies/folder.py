@@ -7,11 +7,12 @@ import fcntl
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from sim.errors import OutputError
+from sim.estimation.own_trackers import OWN
 from sim.files import claim, opened, read_bytes, refuse_links, replace
 from sim.reporting.text.broken_checks import Again, run_again
 from sim.scenario.plugins import FAMILIES, Catalogue, Part, digests
@@ -23,18 +24,33 @@ RESULTS = ("metrics.json", "report.html")
 PROCESSOR = "processor"  # of the identity: another is a remark, because it moves last digits only
 
 
-def identity(text: str, seed: int, parts: Iterable[Part] = ()) -> dict[str, Any]:
-    """What decides the numbers of a study: its scenario file, its seed and the versions of all that computes."""
+def identity(text: str, seed: int, parts: Iterable[Part] = (), own: Mapping[str, str] | None = None) -> dict[str, Any]:
+    """What decides the numbers of a study: its scenario file, its seed and the versions of all that computes.
+
+    ``own`` are digests of the caller's trackers by their address.
+    """
     scenario = hashlib.sha256(text.encode()).hexdigest()
-    return {"seed": seed, "scenario": scenario, "versions": versions(digests(parts)), PROCESSOR: processor()}
+    return {
+        "seed": seed,
+        "scenario": scenario,
+        "versions": versions(digests(parts) | dict(own or {})),
+        PROCESSOR: processor(),
+    }
 
 
-def open_study(folder: Path, text: str, seed: int, anew: bool = False, parts: Iterable[Part] = ()) -> None:
+def open_study(
+    folder: Path,
+    text: str,
+    seed: int,
+    anew: bool = False,
+    parts: Iterable[Part] = (),
+    own: Mapping[str, str] | None = None,
+) -> None:
     """Make a folder that of this study: new, or the same study's; ``anew`` throws another study away.
 
     Raises ``OutputError`` with one sentence.
     """
-    mine = identity(text, seed, parts)
+    mine = identity(text, seed, parts, own)
     claim(folder, "study")
     begun = (folder / IDENTITY).is_file() and not anew
     if begun and _deciding(theirs := identity_of(folder)) != _deciding(mine):
@@ -71,6 +87,9 @@ def begun(folder: Path) -> float:
 def check_parts(folder: Path, catalogue: Catalogue) -> None:
     """Refuse to go on with a study whose parts from outside are missing or have changed: a folder holds no code."""
     for address, digest in identity_of(folder).get("versions", {}).get("parts", {}).items():
+        if address.partition(".")[0] == OWN:
+            name = address.partition(".")[2]
+            raise OutputError(f"{folder}: was begun from Python with a tracker '{name}'; go on there: sim.study")
         try:
             part = catalogue.named(*address.split(".", 1))
         except KeyError:
@@ -141,7 +160,7 @@ def _is_identity(found: Any) -> bool:
     if type(found["seed"]) is not int or not isinstance(parts, dict):
         return False
     words = [found["scenario"], *(version for name, version in versions.items() if name != "parts"), *parts.values()]
-    known = all(address.partition(".")[0] in FAMILIES and "." in address for address in parts)
+    known = all(address.partition(".")[0] in (*FAMILIES, OWN) and "." in address for address in parts)
     return known and all(isinstance(word, str) and word.isprintable() for word in (*words, *versions, *parts))
 
 

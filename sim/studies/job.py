@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from sim import experiment
 from sim.errors import ScenarioError
+from sim.estimation.own_trackers import OwnTrackers
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics.ensemble.verdict import CRASHED, REFUSED
@@ -28,13 +29,14 @@ class Job(NamedTuple):
     drawn: dict[str, float]  # what the sample changes
     cache: str | None = None  # folder of flights that cells share
     parts: tuple[Part, ...] = ()  # kinds from outside that the study names
+    own: OwnTrackers | None = None  # trackers of the caller
 
 
 def fly(job: Job) -> dict[str, Any]:
     """The record of one flight, that of a run with its place in the study; one that cannot begin is a record too."""
     try:
         tables = json.dumps(with_values(job.tables, job.drawn))
-        prepared = experiment.prepared_from(tables, tuple(job.parts))
+        prepared = experiment.prepared_from(tables, tuple(job.parts), bool(job.own))
     except ScenarioError as error:
         return lost(job, str(error), REFUSED)
     place, name = _kept_at(prepared, job)
@@ -52,7 +54,8 @@ def fly(job: Job) -> dict[str, Any]:
 
 
 def _judged(prepared: Prepared, flight: Flight, job: Job) -> dict[str, Any]:
-    return _placed(job, experiment.record_of(job.flight, experiment.evaluate(prepared, flight, job.flight)))
+    found = experiment.evaluate(prepared, flight, job.flight, job.own)
+    return _placed(job, experiment.record_of(job.flight, found))
 
 
 def lost(job: Job, reason: str, outcome: str = CRASHED) -> dict[str, Any]:

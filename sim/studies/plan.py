@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -52,8 +52,11 @@ class Study:
                     yield cell, sample, sample * each + repeat
 
 
-def plan(scenario: Scenario, plugins: Any = ()) -> Study:
-    """What a study flies; raises ``ScenarioError`` for axes and checks that no flight has, before anything is flown."""
+def plan(scenario: Scenario, plugins: Any = (), own: Iterable[str] = ()) -> Study:
+    """What a study flies, with ``own`` trackers of the caller.
+
+    Raises ``ScenarioError`` for axes and checks that no flight has, before anything is flown.
+    """
     table = scenario.study
     if table is None:
         raise ScenarioError(
@@ -66,7 +69,7 @@ def plan(scenario: Scenario, plugins: Any = ()) -> Study:
         raise ScenarioError("\n".join(f"{scenario.name}: {fault}" for fault in faults))
     planned = Study(scenario, table, axes, cells(axes), samples(axes, table.samples, scenario.seed), parts)
     size = scenario.flights * table.samples
-    refuse_unfit(scenario.name, scenario.checks, size, scenario.trackers, contrasts=scenario.contrasts)
+    refuse_unfit(scenario.name, scenario.checks, size, (*scenario.trackers, *own), contrasts=scenario.contrasts)
     return planned
 
 

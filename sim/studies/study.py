@@ -8,16 +8,19 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from sim.errors import OutputError
+from sim.estimation.own_trackers import OwnTrackers, check_own, digests_of_own
 from sim.experiment import read
 from sim.files import plain, replace, replace_json
+from sim.flight.preparation import prepare
 from sim.reporting.text.broken_checks import Again
 from sim.scenario.budget import refuse_workers
-from sim.scenario.plugins import Catalogue, catalogue_with, digests
+from sim.scenario.plugins import Catalogue, Plugins, catalogue_with, digests
+from sim.scenario.reading import Source
 from sim.scenario.toml_writer import dumps
 from sim.studies import folder as folders
 from sim.studies.job import Job, fly, lost
@@ -34,12 +37,13 @@ RECORD_SIZE = 20_000  # bytes of one flight in the log, at most about
 
 
 def study(
-    source: str | Path | dict[str, Any],
+    source: Source,
     folder: Path,
     executor: Executor,
-    overrides: dict[str, Any] | None = None,
+    overrides: Mapping[str, Any] | None = None,
     *,
-    plugins: Any = (),
+    trackers: OwnTrackers | None = None,
+    plugins: Plugins = (),
     anew: bool = False,
     workers: int = 1,
     progress: Callable[..., Any] | None = None,
@@ -47,24 +51,27 @@ def study(
 ) -> dict[str, Any]:
     """Fly a study into a folder, going on with what the folder already has of it; returns its metrics.
 
-    ``plugins`` bring kinds that are not bundled: paths of files, or imported modules, with a table ``SHORTFINAL``.
-    ``remark`` is called with what is to be known, also of lines of the folder's log that had to be left out.
+    ``trackers`` are the caller's own, on every flight. ``plugins`` bring kinds that are not bundled: paths of files, or
+    imported modules, with a table ``SHORTFINAL``. ``remark`` is called with what is to be known, also of lines of the
+    folder's log that had to be left out.
 
     Raises ``ScenarioError`` and ``OutputError`` before anything is written, ``OutputError`` when the disk fills.
     """
     catalogue = catalogue_with(plugins)
     scenario = read(source, overrides, plugins=catalogue)
     text = dumps(scenario.tables)
-    done = None if anew else finished.metrics_of(folder, text, catalogue)
+    done = None if anew or trackers else finished.metrics_of(folder, text, catalogue)
     if done is not None:
         _say(remark, folders.another_processor(folder))
         return done
-    planned = plan(read_text(text.encode(), catalogue), catalogue)
+    planned = plan(read_text(text.encode(), catalogue), catalogue, trackers or ())
     tables = designed_cells(planned)
+    if trackers:
+        check_own(prepare(read(tables[0], plugins=catalogue)), trackers)
     _refuse_too_much(planned, folder, workers)
-    folders.open_study(folder, text, scenario.seed, anew, planned.parts)
+    folders.open_study(folder, text, scenario.seed, anew, planned.parts, digests_of_own(trackers or {}))
     _say(remark, folders.another_processor(folder))
-    return _fly_all(planned, tables, folder, executor, catalogue, progress, remark)
+    return _fly_all(planned, tables, folder, executor, catalogue, progress, remark, trackers)
 
 
 def resume(
@@ -124,6 +131,7 @@ def _fly_all(
     catalogue: Catalogue,
     progress: Callable[..., Any] | None,
     remark: Callable[[str], None] | None,
+    own: OwnTrackers | None = None,
 ) -> dict[str, Any]:
     with folders.locked(folder):
         stamp = folders.stamp(folder)
@@ -132,7 +140,7 @@ def _fly_all(
         records = {place: named(record, planned.axes, again) for place, record in found.items()}
         cache = str(folders.flights_of(folder).resolve())
         waiting = [
-            Job(cell, sample, flight, {**planned.cells[cell], **drawn}, tables[cell], drawn, cache, planned.parts)
+            Job(cell, sample, flight, {**planned.cells[cell], **drawn}, tables[cell], drawn, cache, planned.parts, own)
             for cell, sample, flight in planned.numbers()
             for drawn in (planned.samples[sample],)
             if (cell, sample, flight) not in records
@@ -154,7 +162,8 @@ def _fly_all(
             executor.close()
         metrics = _finish(planned, folder, records, stamp, again)
         flight_cache.prune(folders.flights_of(folder), folders.begun(folder))
-        finished.remember(folder, folders.read_scenario(folder).decode("utf-8-sig"), catalogue)
+        if not own:  # of a tracker that the caller brings, the text of the scenario says nothing
+            finished.remember(folder, folders.read_scenario(folder).decode("utf-8-sig"), catalogue)
         return metrics
 
 

@@ -14,7 +14,7 @@ from sim.experiment import fly
 from sim.flight.preparation import prepare
 from sim.metrics.flight import flight_metrics
 from sim.scenario.reading import read
-from sim.studies.bisection import find_limit
+from sim.studies.limits.bisection import find_limit
 from sim.studies.study import study
 from sim.workers.executors import LocalExecutor
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from sim.scenario.reading import read
-from sim.studies.bisection import FAILED
+from sim.studies.limits.bisection import FAILED
 from sim.studies.theory import border, predicted_figures
 
 pytestmark = pytest.mark.acceptance

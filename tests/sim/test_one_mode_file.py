@@ -203,10 +203,10 @@ def test_a_mode_that_says_only_its_bank_flies_and_is_drawn(least, tmp_path):
     flown = scenario(sensors=RADAR, trackers=trackers)
     with helper(True):
         result = run(flown)
-        report(result, tmp_path)
+        report(result, tmp_path / "out")
     assert np.abs(result.flight.state.bank).max() == 0.0
     assert result.prepared.law.k1 == result.prepared.designed.k1
-    assert "law wings level" in (tmp_path / "report.html").read_text()
+    assert "law wings level" in (tmp_path / "out/report.html").read_text()
     assert "bank_limit 0.26" in explain(flown)
 
 

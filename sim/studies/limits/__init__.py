@@ -2,5 +2,5 @@
 
 ``capture`` follows a capture of a line and both filters of it without noise, for many cases at once; ``prediction``
 reads the cases from a scenario. ``maps`` are the ratios of a flown study as plain values, with the borders of theory;
-``answer`` says them in one sentence, ``drawing`` draws them.
+``answer`` says them in one sentence, ``drawing`` draws them. ``bisection`` finds where a figure passes a limit.
 """

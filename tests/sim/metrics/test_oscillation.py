@@ -18,7 +18,7 @@ from sim.reporting.text.broken_checks import run_again
 from sim.scenario.axes import cells
 from sim.scenario.reading import read
 from sim.studies import theory as study_theory
-from sim.studies.bisection import find_limit
+from sim.studies.limits.bisection import find_limit
 from sim.studies.metrics import study_metrics
 from sim.studies.page import page
 from tests.capture import CAPTURE

@@ -398,7 +398,7 @@ def test_a_kept_flight_that_cannot_be_judged_is_flown_again(good, folder, monkey
 
     calls, evaluate = [], experiment.evaluate
 
-    def fails_at_first(prepared, flight, number):
+    def fails_at_first(prepared, flight, number, own=None):
         calls.append(number)
         if len(calls) == 1:
             raise IndexError("nothing that anybody foresaw")
