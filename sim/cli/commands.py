@@ -56,6 +56,9 @@ Plugins = Annotated[
     typer.Option("--plugin", metavar="FILE", help="Python file with kinds that the scenario names; repeatable."),
 ]
 
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say errors and the last line alone.")]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Say also what takes how long, and all warnings.")]
+
 Workers = Annotated[
     int | None, typer.Option("-j", "--workers", min=1, help="Worker processes; default one for each core.")
 ]
@@ -257,23 +260,28 @@ def claims(
 
 
 @app.command()
-def validate(file: Scenario, sets: Sets = None, plugins: Plugins = None) -> None:
-    """Say whether a scenario can be flown, and everything that is wrong with it."""
-    from sim.estimation.setup import check
-    from sim.experiment import read, refuse_unfit_run
-    from sim.flight.preparation import prepare
+def validate(
+    files: Annotated[list[str], typer.Argument(metavar="FILE...", help="Scenarios; - is standard input.")],
+    sets: Sets = None,
+    plugins: Plugins = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Say whether scenarios can be flown, and everything that is wrong with them, with its line."""
+    from sim.cli.validation.faults import validate as examined
     from sim.scenario.plugins import catalogue_with
 
-    catalogue = catalogue_with(plugins or ())
-    scenario = read(file, _overrides(sets), plugins=catalogue)
-    check(prepare(scenario))
-    if scenario.study is None:
-        refuse_unfit_run(scenario)
-    else:
-        from sim.studies.plan import plan
-
-        plan(scenario, catalogue)
-    typer.echo(f"{scenario.name}: good")
+    catalogue, overrides, bad = catalogue_with(plugins or ()), _overrides(sets), False
+    for file in files:
+        verdict = examined(file, overrides, catalogue)
+        for fault in verdict.faults:
+            say(f"shortfinal: {printable(fault)}")
+        for warning in verdict.warnings if verbose else ():
+            typer.echo(printable(f"{verdict.name}: warning: {warning}"))
+        bad = bad or bool(verdict.faults)
+        if not verdict.faults and not quiet:
+            typer.echo(f"{verdict.name}: good")
+    raise typer.Exit(BAD_INPUT if bad else GOOD)
 
 
 @app.command()
