@@ -17,6 +17,8 @@ Verbs, in the order of a run
 - `report` - `Result` and a folder -> the files of the run (sim.experiment)
 - `identify` - Flight -> `LawFit`: the route law that flew the capture of a leg (sim.studies.identification.captures)
 - `run` - all of them but the report, and the checks -> `Result` (sim.experiment)
+- `compare` - two folders or results -> what changed beyond noise, and beyond a tolerance
+  (sim.studies.comparing.comparison)
 - `recorded` - recorded tracks and a runway -> a `Flight` for each, not flown here (sim.flight.recording.flights)
 
 Units and frames
@@ -132,6 +134,7 @@ if TYPE_CHECKING:
     from sim.observation.record import SensorRecord, observe
     from sim.result import Result
     from sim.scenario.model import Scenario
+    from sim.studies.comparing.comparison import compare
     from sim.studies.identification.captures import identify
     from sim.versions import __version__ as __version__
     from tracking.track import Measurements, Track
@@ -150,6 +153,7 @@ __all__ = [
     "SensorRecord",
     "Track",
     "Tracked",
+    "compare",
     "fly",
     "identify",
     "observe",
@@ -173,6 +177,7 @@ _HOMES = {
     "sim.observation.record": ("SensorRecord", "observe"),
     "sim.result": ("Result",),
     "sim.scenario.model": ("Scenario",),
+    "sim.studies.comparing.comparison": ("compare",),
     "sim.studies.identification.captures": ("identify",),
     "sim.versions": ("__version__",),
     "tracking.track": ("Measurements", "Track"),
