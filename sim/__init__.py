@@ -17,8 +17,7 @@ Verbs, in the order of a run
 - `report` - `Result` and a folder -> the files of the run (sim.experiment)
 - `identify` - Flight -> `LawFit`: the route law that flew the capture of a leg (sim.studies.identification.captures)
 - `run` - all of them but the report, and the checks -> `Result` (sim.experiment)
-- `compare` - two folders or results -> what changed beyond noise, and beyond a tolerance
-  (sim.studies.comparing.comparison)
+- `compare` - two folders or results -> what changed beyond noise or tolerance (sim.studies.comparing.comparison)
 - `recorded` - recorded tracks and a runway -> a `Flight` for each, not flown here (sim.flight.recording.flights)
 
 Units and frames

@@ -36,14 +36,33 @@ DEFAULT = "an26_pattern"
 
 app = typer.Typer(
     name="shortfinal",
-    help="Fly an approach in JSBSim under a bank-limited route autopilot, watch it, track it, judge it. "
-    "Research software, not for operational use.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help, in less than half the time
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from sim.versions import __version__
+
+        typer.echo(f"shortfinal {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def shortfinal(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say the version, and end.")
+    ] = False,
+) -> None:
+    """Fly an approach in JSBSim under a bank-limited route autopilot, watch it, track it, judge it.
+
+    Research software, not for operational use.
+    """
+
 
 Scenario = Annotated[str, typer.Argument(help="A scenario file or the name of a bundled scenario.")]
 Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder to write; default out/NAME.")]
@@ -78,12 +97,14 @@ def run(
         int, typer.Option("-j", "--workers", min=1, help="Worker processes that share the flights.")
     ] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Fly, observe, track and report a scenario."""
     if flight is not None and workers > 1:
         raise ScenarioError("run: say --flight or -j, not both: one flight has no work to share")
     overrides = _overrides(sets, seed=seed, flights=flights, draws=draws)
-    _run(scenario, overrides, out, plugins, as_json, flight=flight, workers=workers)
+    _run(scenario, overrides, out, plugins, as_json, quiet, verbose, flight=flight, workers=workers)
 
 
 def _run(
@@ -92,15 +113,18 @@ def _run(
     out: Path | None,
     plugins: list[Path] | None,
     as_json: bool,
+    quiet: bool = False,
+    verbose: bool = False,
     **how: Any,
 ) -> None:
     """Run a scenario into a folder and say what came of it."""
     from sim import experiment
 
     def remark(sentence: str) -> None:
-        typer.echo(f"warning: {sentence}", err=as_json)
+        if not quiet:
+            typer.echo(f"warning: {sentence}", err=as_json)
 
-    given = {"progress": _progress(), "plugins": plugins or (), "remark": remark, **how}
+    given = {"progress": None if quiet else _progress(), "plugins": plugins or (), "remark": remark, **how}
     folder, result = experiment.run_to_folder(scenario, overrides, out, **given)
     if as_json:
         typer.echo((folder / "metrics.json").read_text(encoding="utf-8"), nl=False)
@@ -109,7 +133,10 @@ def _run(
         from sim.reporting.text.broken_checks import run_again
 
         again = run_again(folder / "scenario.toml", plugins or ())
-        typer.echo(summary(result.metrics, again, result.prepared.warnings, result.contrasted))
+        if not quiet:
+            typer.echo(summary(result.metrics, again, result.prepared.warnings, result.contrasted))
+        for part, taken in result.timing.items() if verbose and not quiet else ():
+            typer.echo(f"{part.removesuffix('_s').replace('_', ' ')}: {taken:.2f} s")
         typer.echo(f"report: {folder / 'report.html'}")
     raise typer.Exit(_exit_code(result.metrics))
 
@@ -148,6 +175,7 @@ def study(
     anew: Annotated[bool, typer.Option("--anew", help="Throw away another study that the folder holds.")] = False,
     cluster: Cluster = None,
     insecure: Insecure = False,
+    quiet: Quiet = False,
 ) -> None:
     """Fly a scenario over the axes of its [study] table; what a folder already has of it is not flown again."""
     from sim.experiment import read
@@ -161,7 +189,7 @@ def study(
     folder = out if out is not None else Path("out") / read(scenario, plugins=how["plugins"]).name
     call = studies.study
     with _executor(workers, cluster, insecure) as given:
-        _study(folder, lambda **more: call(scenario, folder, anew=anew, **how, **given, **more), plugins)
+        _study(folder, lambda **more: call(scenario, folder, anew=anew, **how, **given, **more), plugins, quiet)
 
 
 @app.command()
@@ -172,6 +200,7 @@ def resume(
     anyway: Annotated[bool, typer.Option("--anyway", help="Go on although the versions differ.")] = False,
     cluster: Cluster = None,
     insecure: Insecure = False,
+    quiet: Quiet = False,
 ) -> None:
     """Go on with a study where it was interrupted; the result is that of an uninterrupted one."""
     from sim.studies import study as studies
@@ -181,23 +210,26 @@ def resume(
             folder,
             lambda **more: studies.resume(folder, plugins=plugins or (), anyway=anyway, **given, **more),
             plugins,
+            quiet,
         )
 
 
-def _study(folder: Path, fly: Any, plugins: list[Path] | None) -> None:
+def _study(folder: Path, fly: Any, plugins: list[Path] | None, quiet: bool) -> None:
     from sim.cli.run_summary import study_summary
     from sim.reporting.text.broken_checks import run_again
 
     def remark(sentence: str) -> None:
-        typer.echo(f"warning: {printable(sentence)}")
+        if not quiet:
+            typer.echo(f"warning: {printable(sentence)}")
 
     again = "".join(f" --plugin {file}" for file in plugins or ())
     try:
-        metrics = fly(progress=_progress(), remark=remark)
+        metrics = fly(progress=None if quiet else _progress(), remark=remark)
     except KeyboardInterrupt as stop:
         typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}{again}", err=True)
         raise typer.Exit(stop_code(stop)) from None
-    typer.echo(study_summary(metrics, run_again(folder / "scenario.toml", plugins or ())))
+    if not quiet:
+        typer.echo(study_summary(metrics, run_again(folder / "scenario.toml", plugins or ())))
     typer.echo(f"report: {folder / 'report.html'}")
     crashed = "crashed" in metrics["outcomes"]
     failed = any(check["passed"] is False for check in metrics["checks"])
@@ -233,6 +265,7 @@ def claims(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer runs: wider intervals.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON.")] = False,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Measure what the papers claim, and say which claims hold."""
     from sim import claims as ledger
@@ -246,7 +279,7 @@ def claims(
     seed = ledger.SEED if seed is None else seed
     with helper(len(chosen) > 1):
         try:
-            rows = ledger.measured(chosen, seed, quick, _progress(), out)
+            rows = ledger.measured(chosen, seed, quick, None if quiet else _progress(), out)
         except KeyboardInterrupt as stop:
             typer.echo("stopped" if out is None else "stopped; the rows are kept; the same command goes on", err=True)
             raise typer.Exit(stop_code(stop)) from None
@@ -254,7 +287,8 @@ def claims(
             from sim.claims.page import write
 
             write(out, rows, seed)
-    typer.echo(json.dumps(plain([row.plain() for row in rows]), indent=1) if as_json else table(rows))
+    if as_json or not quiet or out is None:
+        typer.echo(json.dumps(plain([row.plain() for row in rows]), indent=1) if as_json else table(rows))
     if out is not None and not as_json:
         typer.echo(f"page: {out / 'claims.html'}")
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import sim
 from sim.experiment import run_to_folder
 from tests.capture import capture
 from tests.hostile.foreign import FOREIGN
@@ -185,6 +186,12 @@ def test_new_writes_a_scenario_that_is_valid(command, tmp_path):
     assert 'name = "mine"' in (tmp_path / "mine.toml").read_text()
     assert command("validate", "mine.toml").returncode == 0
     assert "exists already" in command("new", "mine.toml").stderr
+
+
+def test_version_and_quiet(command):
+    assert command("--version").stdout == f"shortfinal {sim.__version__}\n"
+    done = command("validate", "an26_pattern", "a320", "-q")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
 def test_lists_and_schema_and_doctor_answer(command, tmp_path):
