@@ -58,8 +58,8 @@ def side_of(what: Any) -> Side:
 
 
 def _run(name: str, metrics: dict[str, Any]) -> Side:
-    alone = {"flight": 0, "metrics": {**metrics["flight"], "trackers": metrics["trackers"]}}
-    alone["metrics"]["contrasts"] = metrics["contrasts"]
+    own = {**metrics["flight"], "trackers": metrics["trackers"], "contrasts": metrics["contrasts"]}
+    alone = {"flight": 0, "metrics": own}
     flights = {(0, 0, one["flight"]): _figures(one) for one in metrics.get("each_flight", [alone])}
     return Side(name, "run", (metrics["seed"], metrics["draws"]), {}, metrics["versions"], flights)
 

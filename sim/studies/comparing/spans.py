@@ -73,4 +73,4 @@ def _student(difference: float, variance: float, freedom: float, level: float) -
 
 
 def _equal(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.abs(b - a) <= ROUNDING * np.maximum(np.abs(a), np.abs(b))
+    return np.asarray(np.abs(b - a) <= ROUNDING * np.maximum(np.abs(a), np.abs(b)))
