@@ -17,6 +17,7 @@ Verbs, in the order of a run
 - `report` - `Result` and a folder -> the files of the run and its page, whose path it returns (sim.experiment)
 - `identify` - Flight -> `LawFit`: the route law that flew the capture of a leg (sim.studies.identification.captures)
 - `run` - all of them but the report, and the checks -> `Result` (sim.experiment)
+- `compare` - two folders or results -> what changed beyond noise or tolerance (sim.studies.comparing.comparison)
 - `study` - a scenario over the axes of its ``[study]`` -> `StudyResult` (sim.studies.studied)
 - `explain` - what a scenario resolves to, as text: route, trim, modes, gains, limits, checks (sim.cli.explain)
 - `tracker` - a class of one's own, its sensors, law, route -> `OwnTracker` for run (sim.estimation.own_trackers)
@@ -149,6 +150,7 @@ if TYPE_CHECKING:
     from sim.results.result import Result, figures
     from sim.results.studied import StudyResult
     from sim.scenario.model import Scenario
+    from sim.studies.comparing.comparison import compare
     from sim.studies.identification.captures import identify
     from sim.studies.studied import study
     from sim.versions import __version__ as __version__
@@ -170,6 +172,7 @@ __all__ = [
     "StudyResult",
     "Track",
     "Tracked",
+    "compare",
     "explain",
     "figures",
     "fly",
@@ -202,6 +205,7 @@ _HOMES = {
     "sim.results.result": ("Result", "figures"),
     "sim.results.studied": ("StudyResult",),
     "sim.scenario.model": ("Scenario",),
+    "sim.studies.comparing.comparison": ("compare",),
     "sim.studies.identification.captures": ("identify",),
     "sim.studies.studied": ("study",),
     "sim.versions": ("__version__",),

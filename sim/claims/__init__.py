@@ -1,8 +1,8 @@
 """The claims of the papers, each measured and judged by one rule; a paper is one folder of `sim.claims.papers`.
 
-``verdict`` is the rule, ``ledger`` a claim with all its readings and its row, ``plots`` a figure as numbers; ``table``
-and ``page`` show them, ``row_cache`` lets an interrupted ledger go on. ``jsbsim_flights``, ``angle_channel`` and
-``manoeuvre_variance`` are what several papers share.
+``verdict`` is the rule, ``ledger`` a claim with all its readings and its row, ``plots`` a figure as numbers; ``table``,
+``page`` and ``curves`` show them, ``row_cache`` lets an interrupted ledger go on. ``jsbsim_flights``,
+``angle_channel`` and ``manoeuvre_variance`` are what several papers share.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.claims import plots_of
+from sim.claims.curves import csv_files
 from sim.claims.ledger import Row
 from sim.claims.plots import Plot
 from sim.claims.row_cache import FILE
@@ -31,9 +32,10 @@ DOTS: dict[str, dict[str, Any]] = {
 
 
 def write(folder: Path, rows: Sequence[Row], seed: int) -> None:
-    """claims.json, claims.md, claims.html and one page for each paper, all or none."""
+    """claims.json, claims.md, claims.html, one page for each paper and a table for each figure, all or none."""
     papers = list(dict.fromkeys(row.paper for row in rows))
-    charts = dict(zip(papers, current().in_order(charts_of, [(paper, seed) for paper in papers]), strict=True))
+    drawn = dict(zip(papers, current().in_order(charts_of, [(paper, seed) for paper in papers]), strict=True))
+    charts = {paper: [one for one, _ in pairs] for paper, pairs in drawn.items()}
     with staged(folder) as place:
         write_json(place / "claims.json", [row.plain() for row in rows])
         (place / "claims.md").write_text(summary(rows) + "\n", encoding="utf-8")
@@ -42,12 +44,14 @@ def write(folder: Path, rows: Sequence[Row], seed: int) -> None:
             own = [row for row in rows if row.paper == paper]
             text = page(f"Claims of {paper}", own, {paper: charts[paper]}, seed)
             (place / f"{paper}.html").write_text(text, encoding="utf-8")
+            for name, table in csv_files(paper, [curves for _, curves in drawn[paper]]).items():
+                (place / name).write_text(table, encoding="utf-8")
     (folder / FILE).unlink(missing_ok=True)
 
 
-def charts_of(paper: str, seed: int) -> list[style.Chart]:
-    """The figures of one paper."""
-    return [chart(plot) for plot in plots_of(paper, seed)]
+def charts_of(paper: str, seed: int) -> list[tuple[style.Chart, Plot]]:
+    """The figures of one paper, drawn and as numbers."""
+    return [(chart(plot), plot) for plot in plots_of(paper, seed)]
 
 
 def page(title: str, rows: Sequence[Row], charts: dict[str, list[style.Chart]], seed: int) -> str:

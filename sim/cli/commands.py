@@ -37,14 +37,33 @@ DEFAULT = "an26_pattern"
 
 app = typer.Typer(
     name="shortfinal",
-    help="Fly an approach in JSBSim under a bank-limited route autopilot, watch it, track it, judge it. "
-    "Research software, not for operational use.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help, in less than half the time
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from sim.versions import __version__
+
+        typer.echo(f"shortfinal {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def shortfinal(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say the version, and end.")
+    ] = False,
+) -> None:
+    """Fly an approach in JSBSim under a bank-limited route autopilot, watch it, track it, judge it.
+
+    Research software, not for operational use.
+    """
+
 
 Scenario = Annotated[str, typer.Argument(help="A scenario file or the name of a bundled scenario.")]
 Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder to write; default out/NAME.")]
@@ -56,6 +75,9 @@ Plugins = Annotated[
     list[Path] | None,
     typer.Option("--plugin", metavar="FILE", help="Python file with kinds that the scenario names; repeatable."),
 ]
+
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say errors and the last line alone.")]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Say also what takes how long, and all warnings.")]
 
 Workers = Annotated[
     int | None, typer.Option("-j", "--workers", min=1, help="Worker processes; default one for each core.")
@@ -94,12 +116,14 @@ def run(
     ] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
     no_cache: NoCache = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Fly, observe, track and report a scenario."""
     if flight is not None and workers > 1:
         raise ScenarioError("run: say --flight or -j, not both: one flight has no work to share")
     overrides = _overrides(sets, seed=seed, flights=flights, draws=draws)
-    _run(scenario, overrides, out, plugins, as_json, flight=flight, workers=workers)
+    _run(scenario, overrides, out, plugins, as_json, quiet, verbose, flight=flight, workers=workers)
 
 
 def _run(
@@ -108,15 +132,18 @@ def _run(
     out: Path | None,
     plugins: list[Path] | None,
     as_json: bool,
+    quiet: bool = False,
+    verbose: bool = False,
     **how: Any,
 ) -> None:
     """Run a scenario into a folder and say what came of it."""
     from sim import experiment
 
     def remark(sentence: str) -> None:
-        typer.echo(f"warning: {sentence}", err=as_json)
+        if not quiet:
+            typer.echo(f"warning: {sentence}", err=as_json)
 
-    given = {"progress": _progress(), "plugins": plugins or (), "remark": remark, **how}
+    given = {"progress": None if quiet else _progress(), "plugins": plugins or (), "remark": remark, **how}
     folder, result = experiment.run_to_folder(scenario, overrides, out, **given)
     if as_json:
         typer.echo((folder / "metrics.json").read_text(encoding="utf-8"), nl=False)
@@ -125,7 +152,10 @@ def _run(
         from sim.reporting.text.broken_checks import run_again
 
         again = run_again(folder / "scenario.toml", plugins or ())
-        typer.echo(summary(result.metrics, again, result.prepared.warnings, result.contrasted))
+        if not quiet:
+            typer.echo(summary(result.metrics, again, result.prepared.warnings, result.contrasted))
+        for part, taken in result.timing.items() if verbose and not quiet else ():
+            typer.echo(f"{part.removesuffix('_s').replace('_', ' ')}: {taken:.2f} s")
         typer.echo(f"report: {folder / 'report.html'}")
     raise typer.Exit(_exit_code(result.metrics))
 
@@ -166,6 +196,7 @@ def study(
     cluster: Cluster = None,
     insecure: Insecure = False,
     no_cache: NoCache = False,
+    quiet: Quiet = False,
 ) -> None:
     """Fly a scenario over the axes of its [study] table; what a folder already has of it is not flown again."""
     from sim.experiment import read
@@ -179,7 +210,7 @@ def study(
     folder = out if out is not None else Path("out") / read(scenario, plugins=how["plugins"]).name
     call = studies.study
     with _executor(workers, cluster, insecure) as given:
-        _study(folder, lambda **more: call(scenario, folder, anew=anew, **how, **given, **more), plugins)
+        _study(folder, lambda **more: call(scenario, folder, anew=anew, **how, **given, **more), plugins, quiet)
 
 
 @app.command()
@@ -191,6 +222,7 @@ def resume(
     cluster: Cluster = None,
     insecure: Insecure = False,
     no_cache: NoCache = False,
+    quiet: Quiet = False,
 ) -> None:
     """Go on with a study where it was interrupted; the result is that of an uninterrupted one."""
     from sim.studies import study as studies
@@ -200,23 +232,26 @@ def resume(
             folder,
             lambda **more: studies.resume(folder, plugins=plugins or (), anyway=anyway, **given, **more),
             plugins,
+            quiet,
         )
 
 
-def _study(folder: Path, fly: Any, plugins: list[Path] | None) -> None:
+def _study(folder: Path, fly: Any, plugins: list[Path] | None, quiet: bool) -> None:
     from sim.cli.run_summary import study_summary
     from sim.reporting.text.broken_checks import run_again
 
     def remark(sentence: str) -> None:
-        typer.echo(f"warning: {printable(sentence)}")
+        if not quiet:
+            typer.echo(f"warning: {printable(sentence)}")
 
     again = "".join(f" --plugin {file}" for file in plugins or ())
     try:
-        metrics = fly(progress=_progress(), remark=remark)
+        metrics = fly(progress=None if quiet else _progress(), remark=remark)
     except KeyboardInterrupt as stop:
         typer.echo(f"stopped; finished flights are kept; go on with: shortfinal resume {folder}{again}", err=True)
         raise typer.Exit(stop_code(stop)) from None
-    typer.echo(study_summary(metrics, run_again(folder / "scenario.toml", plugins or ())))
+    if not quiet:
+        typer.echo(study_summary(metrics, run_again(folder / "scenario.toml", plugins or ())))
     typer.echo(f"report: {folder / 'report.html'}")
     crashed = "crashed" in metrics["outcomes"]
     failed = any(check["passed"] is False for check in metrics["checks"])
@@ -250,6 +285,7 @@ def claims(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer runs: wider intervals.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON.")] = False,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of every random number.")] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Measure what the papers claim, and say which claims hold."""
     from sim import claims as ledger
@@ -263,7 +299,7 @@ def claims(
     seed = ledger.SEED if seed is None else seed
     with helper(len(chosen) > 1):
         try:
-            rows = ledger.measured(chosen, seed, quick, _progress(), out)
+            rows = ledger.measured(chosen, seed, quick, None if quiet else _progress(), out)
         except KeyboardInterrupt as stop:
             typer.echo("stopped" if out is None else "stopped; the rows are kept; the same command goes on", err=True)
             raise typer.Exit(stop_code(stop)) from None
@@ -271,29 +307,62 @@ def claims(
             from sim.claims.page import write
 
             write(out, rows, seed)
-    typer.echo(json.dumps(plain([row.plain() for row in rows]), indent=1) if as_json else table(rows))
+    if as_json or not quiet or out is None:
+        typer.echo(json.dumps(plain([row.plain() for row in rows]), indent=1) if as_json else table(rows))
     if out is not None and not as_json:
         typer.echo(f"page: {out / 'claims.html'}")
 
 
 @app.command()
-def validate(file: Scenario, sets: Sets = None, plugins: Plugins = None, no_cache: NoCache = False) -> None:
-    """Say whether a scenario can be flown, and everything that is wrong with it."""
-    from sim.estimation.setup import check
-    from sim.experiment import read, refuse_unfit_run
-    from sim.flight.preparation import prepare
+def compare(
+    a: Annotated[Path, typer.Argument(metavar="A", help="The folder of a run or a study.")],
+    b: Annotated[Path, typer.Argument(metavar="B", help="Another of the same kind.")],
+    tolerance: Annotated[
+        Path | None, typer.Option(metavar="FILE", help='TOML, "METRIC" = largest difference; exit 1 beyond it.')
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print all rows as JSON.")] = False,
+    quiet: Quiet = False,
+    verbose: Annotated[bool, typer.Option("-v", "--verbose", help="Show what did not change, too.")] = False,
+) -> None:
+    """Say what changed between two runs or two studies beyond noise, and beyond a tolerance."""
+    from sim.cli.terminal import table
+    from sim.studies.comparing.comparison import compare as compared
+    from sim.studies.comparing.told import told, verdict
+
+    found = compared(a, b, tolerance)
+    if as_json:
+        typer.echo(json.dumps(found.plain(), indent=1))
+    else:
+        for line in [] if quiet else told(found, table, verbose):
+            typer.echo(printable(line))
+        typer.echo(verdict(found, tolerance is not None))
+    raise typer.Exit(CHECK_FAILED if found.beyond else GOOD)
+
+
+@app.command()
+def validate(
+    files: Annotated[list[str], typer.Argument(metavar="FILE...", help="Scenarios; - is standard input.")],
+    sets: Sets = None,
+    plugins: Plugins = None,
+    no_cache: NoCache = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Say whether scenarios can be flown, and everything that is wrong with them, with its line."""
+    from sim.cli.validation.faults import validate as examined
     from sim.scenario.plugins import catalogue_with
 
-    catalogue = catalogue_with(plugins or ())
-    scenario = read(file, _overrides(sets), plugins=catalogue)
-    check(prepare(scenario))
-    if scenario.study is None:
-        refuse_unfit_run(scenario)
-    else:
-        from sim.studies.plan import plan
-
-        plan(scenario, catalogue)
-    typer.echo(f"{scenario.name}: good")
+    catalogue, overrides, bad = catalogue_with(plugins or ()), _overrides(sets), False
+    for file in files:
+        verdict = examined(file, overrides, catalogue)
+        for fault in verdict.faults:
+            say(f"shortfinal: {printable(fault)}")
+        for warning in verdict.warnings if verbose else ():
+            typer.echo(printable(f"{verdict.name}: warning: {warning}"))
+        bad = bad or bool(verdict.faults)
+        if not verdict.faults and not quiet:
+            typer.echo(f"{verdict.name}: good")
+    raise typer.Exit(BAD_INPUT if bad else GOOD)
 
 
 @app.command()

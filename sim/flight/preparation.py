@@ -64,6 +64,7 @@ from sim.scenario.messages import at
 from sim.scenario.model import Scenario
 from sim.scenario.plugins import BUNDLED, is_outside, said
 from sim.scenario.recording.table import RecordTable
+from sim.scenario.refusals.units import in_words_of
 from sim.scenario.tables import STARTS, LegsTable, PatternTable
 from sim.workers.isolation import run_isolated
 
@@ -251,7 +252,8 @@ def _prepared(scenario: Scenario) -> Prepared:
     if scenario.record is not None:
         return _recorded(scenario, scenario.record)
     place = functools.partial(at, scenario.name)
-    with place("[aircraft]"):
+    asked = functools.partial(in_words_of, type(scenario.aircraft), scenario.tables["aircraft"])
+    with place("[aircraft]", asked):
         aircraft = _data(scenario)
         flaps, landing = _configuration(scenario, aircraft)
     with place("[route]"):

@@ -15,6 +15,7 @@ from aircraft.units import SUFFIXES
 from sim.errors import ScenarioError, did_you_mean, printable
 
 MOST_FAULTS = 20  # told at once
+MOST_HOMES = 3  # tables that are named for a key that stands in another
 LONGEST_VALUE = 60  # characters of a value that is quoted
 TOLD = {  # pydantic's kind of error -> what the value must be
     "missing": "is missing",
@@ -51,12 +52,12 @@ def report_faults(origin: str, faults: Iterable[str]) -> str:
 
 
 @contextmanager
-def at(origin: str, place: str) -> Iterator[None]:
-    """What fails within is a fault of this place of a scenario."""
+def at(origin: str, place: str, in_words: Callable[[str], str] = str) -> Iterator[None]:
+    """What fails within is a fault of this place of a scenario; ``in_words`` tells it as its user would."""
     try:
         yield
     except (FlightError, ValueError) as error:
-        raise ScenarioError(report_faults(origin, [f"{place} {error}"])) from None
+        raise ScenarioError(report_faults(origin, [f"{place} {in_words(str(error))}"])) from None
     except ArithmeticError as error:
         raise ScenarioError(f"{origin}: {place} no design is possible with these numbers: {error}") from None
 
@@ -86,6 +87,8 @@ def fault(model: type[BaseModel], item: Any, owner: Callable[[list[Any], str], s
         hint = f"write it as {' or '.join(same[:3])}" if same and stem(key) != key else did_you_mean(key, allowed)
         if same and stem(key) == key and key not in allowed:
             hint = f"it needs its unit: {' or '.join(same[:3])}"
+        elif key not in allowed and (homes := _homes(model, key)):
+            hint = f"it belongs to another table: {' or '.join(homes)}"
         elif hint.startswith("allowed"):  # nothing near
             hint = owner(place, key) or hint
         return f"{_place(place)}{key}: no such key; {hint}"
@@ -138,6 +141,13 @@ def _keys(model: Any, place: list[Any]) -> list[str]:
             return []
         model = _model_in(fields[part].annotation)
     return [key for key in getattr(model, "model_fields", {}) if not key.startswith("_")]
+
+
+def _homes(model: Any, key: str) -> list[str]:
+    """Where else in a file a key is at home, ``table.key``; none for keys that most tables have."""
+    tables = {name: _model_in(field.annotation) for name, field in model.model_fields.items()}
+    homes = [f"{name}.{key}" for name, table in tables.items() if key in getattr(table, "model_fields", ())]
+    return homes if len(homes) <= MOST_HOMES else []
 
 
 def _model_in(annotation: Any) -> Any:

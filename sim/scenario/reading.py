@@ -6,7 +6,7 @@ import functools
 import math
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +17,15 @@ from aircraft.wind_event import broken_promises
 from sim.errors import ScenarioError, did_you_mean
 from sim.scenario import catalogue as bundled
 from sim.scenario.arrivals.navigation import NavigationErrors
-from sim.scenario.messages import faults_of, quantity, report_faults
+from sim.scenario.messages import MOST_FAULTS, faults_of, quantity, report_faults
 from sim.scenario.model import Route, Scenario, TrackerChoice
 from sim.scenario.parameters import TrueShare, construct, dump, given_values, parameters, spellings_in
 from sim.scenario.plugins import Catalogue, Plugins, catalogue_with, is_outside, said
 from sim.scenario.recording.completion import beside_file, completed_record, runway_file, strangers
 from sim.scenario.recording.plots_alone import faults_of_plots, located, recorded
 from sim.scenario.recording.table import RecordTable, final
+from sim.scenario.refusals.sound import sound_part
+from sim.scenario.refusals.units import in_words_of
 from sim.scenario.schema import ROUTES, file_model, kind_of, owner_of, parts_of
 from sim.scenario.tables import (
     HIGHEST_FLIGHT,
@@ -108,15 +110,28 @@ def _entries(items: list[Any]) -> str:
 def _load(source: str | Path | dict[str, Any]) -> tuple[str, dict[str, Any]]:
     if isinstance(source, dict):
         return "scenario", source
-    path = Path(source)
-    ours = bundled.bundled(str(source))
-    origin = str(path) if ours is None else f"{source}.toml"
-    content = _content(path, str(source)) if ours is None else ours.read_bytes()
+    origin, content, path = content_of(str(source))
     tables = parsed(origin, content)
     if not tables:
         raise ScenarioError(f"{origin}: says nothing; 'shortfinal new FILE.toml' writes a scenario to start from")
+    return origin, placed(tables, path)
+
+
+def content_of(source: str) -> tuple[str, bytes, Path | None]:
+    """What messages call a scenario, its text, and the path of its file; None of a bundled one."""
+    ours = bundled.bundled(source)
+    if ours is not None:
+        return f"{source}.toml", ours.read_bytes(), None
+    path = Path(source)
+    return str(path), _content(path, source), path
+
+
+def placed(tables: dict[str, Any], path: Path | None) -> dict[str, Any]:
+    """The tables of a file, called by it where they have no name, with other files counted from its folder."""
+    if path is None:
+        return tables
     named = {"name": path.name.removesuffix(".toml").removesuffix(".scenario"), **tables}
-    return origin, named if ours is not None else located(beside_file(named, path.parent), path.parent)
+    return located(beside_file(named, path.parent), path.parent)
 
 
 def parsed(origin: str, content: bytes) -> dict[str, Any]:
@@ -160,21 +175,20 @@ def _content(path: Path, source: str) -> bytes:
 
 
 def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_checks: list[str]) -> Scenario:
-    faults: list[str] = []
-    model = file_model(**parts_of(tables, faults, catalogue))
-    try:
-        model.model_validate(tables)
-    except ValidationError as error:
-        faults += faults_of(model, error, lambda place, key: owner_of(tables, place, key))
-    if faults:
-        raise ScenarioError(report_faults(origin, [*faults, *told_of_checks]))
-    faults = list(told_of_checks)
+    whole, broken = tables, _broken(tables, catalogue)
+    tables, numbers = sound_part(tables, broken)
+    if broken and (len(broken) > MOST_FAULTS or _broken(tables, catalogue)):  # what is left cannot be asked further
+        raise ScenarioError(report_faults(origin, [*broken, *told_of_checks]))
+    faults = [*broken, *told_of_checks]
+    all_sensors, all_trackers = (
+        named if isinstance(named := whole.get(family), dict) else {} for family in ("sensors", "trackers")
+    )
 
     def table(name: str, cls: type, true_share: TrueShare | None = None) -> Any:
         return _construct(faults, f"[{name}]", cls, tables.get(name, {}), true_share)
 
     is_recorded = tables.get("record") is not None
-    if is_recorded:
+    if is_recorded and not broken:
         faults += strangers(tables)
     record = table("record", RecordTable) if is_recorded else None
     runway = table("runway", Runway) or Runway()
@@ -186,7 +200,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         route = final(runway)
     mode = kind_of(tables.get("autopilot", {}), "lateral_navigation") or ""
     autopilot_table = {k: v for k, v in tables.get("autopilot", {}).items() if k != "law"}
-    modes = _modes(faults, mode, tables.get("departures", []), catalogue)
+    modes = _modes(faults, mode, numbers("departures"), catalogue)
     law_table = tables.get("autopilot", {}).get("law", {})
     sensors = {
         name: _construct(
@@ -199,12 +213,12 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         if sensor is not None and not (isinstance(period, int | float) and SHORTEST_PERIOD <= period < math.inf):
             faults.append(f"[sensors.{name}] period must be a number of at least 1/120 s, not {period!r}")
     trackers = {
-        name: _tracker(faults, name, catalogue.load("trackers", entry["kind"]), entry, tables)
+        name: _tracker(faults, name, catalogue.load("trackers", entry["kind"]), entry, all_sensors, all_trackers)
         for name, entry in tables.get("trackers", {}).items()
     }
-    for i, entry in enumerate(tables.get("sensor_faults", [])):
-        if (own := entry["sensor"]) not in sensors:
-            faults.append(f"[[sensor_faults]] entry {i} sensor: no sensor '{own}'; {did_you_mean(own, sensors)}")
+    for i, entry in numbers("sensor_faults"):
+        if (own := entry["sensor"]) not in all_sensors:
+            faults.append(f"[[sensor_faults]] entry {i} sensor: no sensor '{own}'; {did_you_mean(own, all_sensors)}")
     wind_table = tables.get("wind", {})
     events = {
         name: _event(faults, f"[wind.events.{name}]", catalogue.load("wind_events", entry["kind"]), entry, runway)
@@ -233,10 +247,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         "sensors": sensors,
         "trackers": trackers,
         **{
-            several: tuple(
-                _construct(faults, f"[[{several}]] entry {i}", cls, entry)
-                for i, entry in enumerate(tables.get(several, []))
-            )
+            several: tuple(_construct(faults, f"[[{several}]] entry {i}", cls, entry) for i, entry in numbers(several))
             for several, cls in (
                 ("departures", Departure),
                 ("sensor_faults", SensorFault),
@@ -249,11 +260,12 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         if tables.get("navigation_errors") is None
         else table("navigation_errors", NavigationErrors),
     }
-    faults += [*_told_twice(scenario["contrasts"]), *faults_of_plots(tables, record, sensors)]
+    if not broken:
+        faults += [*_told_twice(scenario["contrasts"]), *faults_of_plots(tables, record, sensors)]
     navigation = tables.get("autopilot", {}).get("navigation", "truth")
-    if navigation != "truth" and navigation not in trackers:
+    if navigation != "truth" and navigation not in all_trackers:
         faults.append(
-            f"[autopilot] navigation: no tracker '{navigation}'; {did_you_mean(navigation, ['truth', *trackers])}"
+            f"[autopilot] navigation: no tracker '{navigation}'; {did_you_mean(navigation, ['truth', *all_trackers])}"
         )
     if navigation != "truth" and tables.get("navigation_errors") is not None:
         faults.append(
@@ -272,6 +284,17 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
     return Scenario(**{**scenario, "air": air}, tables=resolved, parts=tuple(parts))
 
 
+def _broken(tables: dict[str, Any], catalogue: Catalogue) -> list[str]:
+    """Faults of the tables against the model of their file."""
+    faults: list[str] = []
+    model = file_model(**parts_of(tables, faults, catalogue))
+    try:
+        model.model_validate(tables)
+    except ValidationError as error:
+        faults += faults_of(model, error, lambda place, key: owner_of(tables, place, key))
+    return faults
+
+
 def _told_twice(contrasts: tuple[Contrast | None, ...]) -> list[str]:
     """Faults of contrasts of two trackers that an earlier entry has already."""
     pairs = [None if one is None else one.pair for one in contrasts]
@@ -282,10 +305,12 @@ def _told_twice(contrasts: tuple[Contrast | None, ...]) -> list[str]:
     ]
 
 
-def _modes(faults: list[str], mode: str, departures: list[Any], catalogue: Catalogue) -> dict[str, type[Any]]:
+def _modes(
+    faults: list[str], mode: str, departures: Iterable[tuple[int, Any]], catalogue: Catalogue
+) -> dict[str, type[Any]]:
     """Classes of the modes that are named by their kind: of the autopilot, and of what it is left for."""
     found = {mode: catalogue.load("modes", mode)}
-    for number, entry in enumerate(departures):
+    for number, entry in departures:
         try:
             found[entry["flies"]] = catalogue.load("modes", entry["flies"])
         except KeyError:
@@ -340,7 +365,7 @@ def _construct(
     try:
         return construct(cls, table, true_share, **given)
     except ValueError as error:
-        faults.append(f"{place} {error}")
+        faults.append(f"{place} {in_words_of(cls, table, str(error))}")
     except Exception as error:
         if not is_outside(cls):
             raise
@@ -356,8 +381,9 @@ def _event(faults: list[str], place: str, cls: type, table: dict[str, Any], runw
     return event
 
 
-def _tracker(faults: list[str], name: str, cls: type, table: dict[str, Any], tables: dict[str, Any]) -> TrackerChoice:
-    sensors, others = tables.get("sensors", {}), tables.get("trackers", {})
+def _tracker(
+    faults: list[str], name: str, cls: type, table: dict[str, Any], sensors: dict[str, Any], others: dict[str, Any]
+) -> TrackerChoice:
     wanted = table.get("sensors", list(sensors))
     for sensor in wanted:
         if sensor not in sensors:

@@ -134,7 +134,10 @@ def schema(catalogue: Catalogue = BUNDLED) -> dict[str, Any]:
     """JSON Schema of a scenario file over all kinds that are bundled or brought; installed ones are not imported."""
 
     def union(models: list[type[BaseModel]]) -> Any:
-        return models[0] if len(models) == 1 else typing.Union[tuple(models)]  # noqa: UP007 (built at run time)
+        if len(models) == 1:
+            return models[0]
+        # by its kind: an editor then says which kinds there are, and what is wrong with the one that is meant
+        return Annotated[typing.Union[tuple(models)], Field(discriminator="kind")]  # noqa: UP007 (built at run time)
 
     def models(family: str) -> Any:
         kinds = [*bundled.kinds(family), *(part.kind for part in catalogue.parts if part.family == family)]

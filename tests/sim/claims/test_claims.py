@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 import os
@@ -15,6 +16,7 @@ import pytest
 from typer.testing import CliRunner
 
 from sim import claims
+from sim.claims.curves import csv_files
 from sim.claims.ledger import DRAWS, FLIGHTS, MOST_FLIGHTS, MOST_RUNS, Claim, Reading, Row, exactly, flown_too, measure
 from sim.claims.page import chart, page
 from sim.claims.plots import Curve, Plot
@@ -379,3 +381,13 @@ def test_rows_of_another_seed_or_program_are_measured_again(tmp_path, monkeypatc
     monkeypatch.setattr("sim.claims.row_cache.program", lambda: "another")
     list(claims.measured(["glistin"], 1, True, None, tmp_path))
     assert asked == ["one", "one", "one"]
+
+
+def test_a_figure_leaves_its_curves_as_a_table():
+    plot = Plot(
+        "Fig. 2", "t", "c", "time, s", "error, m", (Curve("a, b", [0.0, 1.0], [2.0, 0.1]), Curve("c", [3], [4]))
+    )
+    found = csv_files("made", [plot, plot])
+    assert sorted(found) == ["made_fig_2-2.csv", "made_fig_2.csv"]
+    rows = list(csv.reader(found["made_fig_2.csv"].splitlines()))
+    assert rows == [["curve", "time, s", "error, m"], ["a, b", "0.0", "2.0"], ["a, b", "1.0", "0.1"], ["c", "3", "4"]]

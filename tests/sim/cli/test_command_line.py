@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import sim
 from sim.experiment import run_to_folder
 from tests.capture import capture
 from tests.hostile.foreign import FOREIGN
@@ -187,6 +188,12 @@ def test_new_writes_a_scenario_that_is_valid(command, tmp_path):
     assert "exists already" in command("new", "mine.toml").stderr
 
 
+def test_version_and_quiet(command):
+    assert command("--version").stdout == f"shortfinal {sim.__version__}\n"
+    done = command("validate", "an26_pattern", "a320", "-q")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
 def test_lists_and_schema_and_doctor_answer(command, tmp_path):
     listed = command("list").stdout
     assert "an26_pattern" in listed
@@ -194,6 +201,7 @@ def test_lists_and_schema_and_doctor_answer(command, tmp_path):
     assert "surveillance_radar" in command("list", "--kinds").stdout
     schema = json.loads(command("schema").stdout)
     assert "bank_limit_deg" in json.dumps(schema)
+    assert "imm" in schema["properties"]["trackers"]["additionalProperties"]["discriminator"]["mapping"]
     assert command("doctor").returncode == 0
 
 

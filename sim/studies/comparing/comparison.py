@@ -1,0 +1,171 @@
+"""Two runs or two studies, metric by metric: the means, their difference with its interval, and what that says.
+
+Where both have the same seed, draws and flights, a flight of one has the turbulence and the noise of the same flight of
+the other: the difference is taken flight by flight, and Student's interval is that of its mean. Elsewhere the flights
+are independent, and the interval is Welch's. All intervals hold together with 95 % (Bonferroni: each of m of them at
+1 - 0.05 / m), so that of two runs that differ in nothing but their seed one in twenty shows any change at all. A
+difference whose interval leaves out 0 is beyond noise.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from sim.errors import OutputError
+from sim.files import plain
+from sim.studies.comparing.sides import Side, side_of
+from sim.studies.comparing.spans import Span, paired, unpaired
+from sim.studies.comparing.tolerance import tolerances
+from sim.versions import rows as version_rows
+
+CONFIDENCE = 0.95  # of all intervals together
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """One metric, of a study in one of its cells."""
+
+    metric: str
+    cell: int  # 0 for a run
+    a: float | None  # mean over its flights; None where no flight has it
+    b: float | None
+    n: tuple[int, int]  # flights that say it
+    span: Span | None  # b less a; None where one side is silent
+    tolerance: float | None
+
+    @property
+    def changed(self) -> bool:
+        """Whether it differs beyond noise."""
+        return self.span is not None and self.span.changed
+
+    @property
+    def beyond(self) -> bool:
+        """Whether it differs by more than its tolerance; a metric that one side alone has does."""
+        return self.tolerance is not None and (self.span is None or abs(self.span.difference) > self.tolerance)
+
+    def plain(self) -> dict[str, Any]:
+        """As JSON has it."""
+        span = Span(*(None,) * 3)._asdict() if self.span is None else self.span._asdict()  # type: ignore[arg-type]
+        told = {"metric": self.metric, "cell": self.cell, "a": self.a, "b": self.b, "n": list(self.n), **span}
+        return told | {"changed": self.changed, "tolerance": self.tolerance, "beyond": self.beyond}
+
+
+@dataclasses.dataclass(frozen=True)
+class Comparison:
+    """What two sides differ in: ``rows``, how it was found out, and what else is to be known."""
+
+    names: tuple[str, str]
+    is_paired: bool
+    rows: tuple[Row, ...]
+    remarks: tuple[str, ...]
+
+    @property
+    def changed(self) -> list[Row]:
+        """Rows beyond noise."""
+        return [row for row in self.rows if row.changed]
+
+    @property
+    def beyond(self) -> list[Row]:
+        """Rows beyond their tolerance."""
+        return [row for row in self.rows if row.beyond]
+
+    @property
+    def method(self) -> str:
+        """How the intervals were found, in a sentence."""
+        judged = sum(row.span is not None for row in self.rows)
+        how = "paired flight by flight (Student)" if self.is_paired else "of independent flights (Welch)"
+        return (
+            f"differences {how}; intervals hold together with {100 * CONFIDENCE:g} %, Bonferroni over {judged} metrics"
+        )
+
+    def plain(self) -> dict[str, Any]:
+        """As JSON has it."""
+        told = {"a": self.names[0], "b": self.names[1], "paired": self.is_paired, "method": self.method}
+        found: dict[str, Any] = plain(
+            {**told, "remarks": list(self.remarks), "rows": [row.plain() for row in self.rows]}
+        )
+        return found
+
+
+def compare(a: Any, b: Any, tolerance: Any = None) -> Comparison:
+    """What changed between two runs or two studies, beyond noise and beyond a tolerance.
+
+    Parameters
+    ----------
+    a, b : folders of runs or of studies, or results of ``sim.run``; differences are b less a
+    tolerance : a TOML file, or a dict, of the largest difference of each metric's mean, in the metric's unit
+
+    Raises ``OutputError`` in one sentence for what cannot be compared.
+    """
+    one, other = side_of(a), side_of(b)
+    if one.kind != other.kind:
+        raise OutputError(f"{one.name} is a {one.kind} and {other.name} is a {other.kind}: compare two of a kind")
+    if one.axes != other.axes:
+        raise OutputError(f"{one.name} and {other.name} are studies over different axes: their cells do not answer")
+    together = one.noise == other.noise and set(one.flights) == set(other.flights)
+    columns = {key: (_column(one, *key), _column(other, *key)) for key in _keys(one, other)}
+    allowed = {} if tolerance is None else tolerances(tolerance, sorted({metric for _, metric in columns}))
+    level = 1.0 - (1.0 - CONFIDENCE) / max(1, sum(bool(x) and bool(y) for x, y in columns.values()))
+    rows = tuple(
+        Row(
+            metric,
+            cell,
+            _mean(x),
+            _mean(y),
+            (len(x), len(y)),
+            _span(x, y, together, level),
+            allowed.get(metric),
+        )
+        for (cell, metric), (x, y) in columns.items()
+    )
+    return Comparison((one.name, other.name), together, rows, _remarks(one, other))
+
+
+def _keys(*sides: Side) -> list[tuple[int, str]]:
+    """Cell and metric of everything that either side says, in its order."""
+    return list(
+        dict.fromkeys(
+            (place[0], metric) for side in sides for place, flight in side.flights.items() for metric in flight
+        )
+    )
+
+
+def _column(side: Side, cell: int, metric: str) -> dict[tuple[int, ...], float]:
+    """A metric by flight."""
+    return {place: flight[metric] for place, flight in side.flights.items() if place[0] == cell and metric in flight}
+
+
+def _mean(column: dict[tuple[int, ...], float]) -> float | None:
+    return float(np.mean([*column.values()])) if column else None
+
+
+def _span(
+    x: dict[tuple[int, ...], float], y: dict[tuple[int, ...], float], together: bool, level: float
+) -> Span | None:
+    """The difference; of pairs over the flights that both have, and of a yes or no always as of independent flights."""
+    both = [place for place in x if place in y]
+    answers = {*x.values(), *y.values()} <= {0.0, 1.0}
+    if together and both and not answers:
+        return paired(np.array([x[place] for place in both]), np.array([y[place] for place in both]), level)
+    if (together and not answers) or not x or not y:
+        return None
+    return unpaired(np.array([*x.values()]), np.array([*y.values()]), level)
+
+
+def _remarks(one: Side, other: Side) -> tuple[str, ...]:
+    """What is to be known beside the rows."""
+    told = []
+    old, new = dict(version_rows(one.versions)), dict(version_rows(other.versions))
+    apart = [
+        f"{name} {old.get(name)} and {new.get(name)}" for name in sorted({*old, *new}) if old.get(name) != new.get(name)
+    ]
+    if apart:
+        told.append(f"the versions differ: {', '.join(apart)}")
+    if max(len(one.flights), len(other.flights)) < 2:
+        told.append(
+            "of one flight each there is no noise to judge by: differences have no interval; fly more --flights"
+        )
+    return tuple(told)
