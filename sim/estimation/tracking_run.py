@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
@@ -77,7 +78,7 @@ def track(
     figures: dict[str, Any] = {}
     of_scenario = list(_of_scenario(prepared))
     watch = Watch(prepared, flight, records, {one.name: one.tracker for one in of_scenario}, number)
-    every = {one.name: one for one in (*of_scenario, *_of_caller(prepared, own))}
+    every = {one.name: one for one in (*of_scenario, *_of_caller(_watched_by(prepared, records), own))}
     last = float(flight.whole.time[-1])
     arrived = {  # what would arrive after the end of the flight and its roll-out is left out
         sensors: _between(measurements(records, sensors), -math.inf, last)
@@ -133,6 +134,12 @@ class SetUp(NamedTuple):
 def _of_scenario(prepared: Prepared) -> Iterator[SetUp]:
     for name, choice in prepared.scenario.trackers.items():
         yield SetUp(name, choice.kind, *build(prepared, name, choice), choice.sensors, choice.handover)
+
+
+def _watched_by(prepared: Prepared, records: dict[str, SensorRecord]) -> Prepared:
+    """As if the sensors that have a record were all."""
+    sensors = {name: sensor for name, sensor in prepared.scenario.sensors.items() if name in records}
+    return dataclasses.replace(prepared, scenario=dataclasses.replace(prepared.scenario, sensors=sensors))
 
 
 def _of_caller(prepared: Prepared, own: Mapping[str, Any]) -> Iterator[SetUp]:

@@ -37,8 +37,8 @@ def complaint(name: str, answer: Answer) -> str:
     if said == FLIES or (said == "." and answer.code == 0):
         good = answer.code == 0 and not answer.err
     else:
-        place = "shortfinal: short: [aircraft]"
-        good = answer.is_one_sentence and answer.err.startswith(place) and len(answer.err) < LONGEST_SENTENCE
+        placed = re.match(r"shortfinal: (short|\S*/short\.toml(:\d+)?): \[aircraft\]", answer.err)
+        good = answer.is_one_sentence and placed is not None and len(answer.err[placed.end() :]) < LONGEST_SENTENCE
         good = good and re.search(said, answer.err) is not None
     return "" if good else f"{name}: wanted '{said}', got {answer}"
 
