@@ -478,6 +478,8 @@ def _case(scenario: Scenario, gains: Designed, route: Route) -> DesignCase:
     bank_limit, share = pilot.bank_limit, pilot.frequency_share
     frequency = None if share is None else share * gains.bank_bandwidth
     base = gains.law if frequency is None else law_of_frequency(frequency, speed, bank_limit, gains.turning)
+    if pilot.damping is None and pilot.intercept_speed is None:  # the other modes are designed as they always are
+        return DesignCase(bank_limit, gains.bank_bandwidth, speed, base.k1, base.k2, base.cross_track_limit)
     k1 = scenario.law.get("k1", base.k1)
     k2 = scenario.law.get(
         "k2", base.k2 if pilot.damping is None else 2.0 * pilot.damping * math.sqrt(k1 / pull(gains.turning))
