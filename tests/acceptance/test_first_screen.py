@@ -45,7 +45,7 @@ def box(browser, selector, place=0):
     "name", ["an26_pattern", "vasylyev2003_jsbsim", "volovyk2022_jsbsim", "an26_turbulence", "clutter"]
 )
 def test_answer_contrast_and_a_figure_stand_on_the_first_screen(name, browser, tmp_path, row):
-    shown(browser, tmp_path, name)
+    shown(browser, tmp_path / "run", name)
     answer, told, figure = (box(browser, f"header {what}")[3] for what in (".sentence", ".verdict", "svg.drawing"))
     met = max(answer, told, figure) <= FOLD and browser.said == []
     row(
@@ -58,9 +58,9 @@ def test_answer_contrast_and_a_figure_stand_on_the_first_screen(name, browser, t
 
 
 def test_the_default_report_is_short_and_prints_whole(browser, tmp_path, row):
-    shown(browser, tmp_path, "an26_pattern")
+    shown(browser, tmp_path / "run", "an26_pattern")
     first, whole = box(browser, "#trackers svg.drawing")[1], browser.value("document.documentElement.scrollHeight")
-    size = (tmp_path / "report.html").stat().st_size
+    size = (tmp_path / "run" / "report.html").stat().st_size
     printed = base64.b64decode(browser.call("Page.printToPDF", preferCSSPageSize=True)["data"])
     sheets = len(re.findall(rb"/Type\s*/Page\b(?!s)", printed))
     browser.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
@@ -91,7 +91,7 @@ def test_the_default_report_is_short_and_prints_whole(browser, tmp_path, row):
 
 def test_figures_and_tables_of_the_default_report_answer_the_hand(browser, tmp_path, row):
     """Zoom, values under the pointer, one cursor with the replay, sorted columns; by mouse, as a reader would."""
-    shown(browser, tmp_path, "an26_pattern")
+    shown(browser, tmp_path / "run", "an26_pattern")
     done = []
 
     def value(expression):
