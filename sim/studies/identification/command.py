@@ -14,7 +14,7 @@ from sim.studies.identification.law_file import law_text
 from sim.studies.identification.page import page
 from sim.studies.identification.sources import flights_of
 from sim.studies.identification.spread import SHARES
-from sim.studies.identification.survey import KEYS, Survey, as_json, cells, scaled, sentence, survey, why
+from sim.studies.identification.survey import KEYS, Survey, as_json, cells, digits, scaled, sentence, survey, why
 
 PAGE, LAW, NUMBERS = "identification.html", "law.toml", "identification.json"
 
@@ -61,7 +61,7 @@ def told(found: Survey) -> list[list[str]]:
     if found.explained > 1:
         for place, share in enumerate(SHARES):
             numbers = [scaled(name, found.spread[name].quantiles[place]) for name in NAMES]
-            shown = ["-" if math.isnan(number) else f"{number:.3g}" for number in numbers]
+            shown = ["-" if math.isnan(number) else digits(number) for number in numbers]
             rows.append([f"{100 * share:g} %", "", "", "", *shown, ""])
     return rows
 

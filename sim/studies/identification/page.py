@@ -9,7 +9,7 @@ from sim.reporting.page import picture, rendered
 from sim.reporting.text.labels import ABSENT
 from sim.studies.identification.figures import charts
 from sim.studies.identification.spread import SHARES, correlations, outlying
-from sim.studies.identification.survey import LABELS, UNIT_WORDS, Survey, cells, scaled, sentence, why
+from sim.studies.identification.survey import LABELS, UNIT_WORDS, Survey, cells, digits, scaled, sentence, why
 from sim.versions import rows, versions
 
 MOST_ROWS = 500  # of the table on the page; identification.json has them all
@@ -59,4 +59,4 @@ def page(found: Survey, law: str | None) -> str:
 
 
 def _number(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else ABSENT
+    return digits(value) if math.isfinite(value) else ABSENT

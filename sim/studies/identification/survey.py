@@ -113,11 +113,12 @@ def cells(fit: LawFit) -> list[str]:
     found = []
     for name in NAMES:
         one = getattr(fit, name)
-        error = f" +- {scaled(name, one.sigma):.2g}" if math.isfinite(one.sigma) else ""
-        found.append(f"{_digits(fit, name)}{error}" if one.met else f">= {_digits(fit, name)}")
+        error = f" +- {digits(scaled(name, one.sigma), 2)}" if math.isfinite(one.sigma) else ""
+        value = digits(scaled(name, one.value))
+        found.append(f"{value}{error}" if one.met else f">= {value}")
     return found
 
 
-def _digits(fit: LawFit, name: str) -> str:
-    value = scaled(name, getattr(fit, name).value)
-    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
+def digits(value: float, significant: int = 3) -> str:
+    """A number with so many significant digits, without an exponent where it is large."""
+    return f"{value:.0f}" if abs(value) >= 10.0**significant else f"{value:.{significant}g}"
