@@ -99,7 +99,8 @@ def _spread(name: str, one: Spread) -> dict[str, Any]:
 def why(fit: LawFit) -> tuple[str, ...]:
     """What keeps a law from explaining the capture, and which of its limits the capture does not show."""
     unmet = [name for name in NAMES if not getattr(fit, name).met]
-    told = [f"the {LABELS[name]} was never met: no less than {_digits(fit, name)} {UNIT_WORDS[name]}" for name in unmet]
+    least = {name: digits(scaled(name, getattr(fit, name).value)) for name in unmet}
+    told = [f"the {LABELS[name]} was never met: no less than {least[name]} {UNIT_WORDS[name]}" for name in unmet]
     return (*fit.objections, *told)
 
 
@@ -121,4 +122,4 @@ def cells(fit: LawFit) -> list[str]:
 
 def digits(value: float, significant: int = 3) -> str:
     """A number with so many significant digits, without an exponent where it is large."""
-    return f"{value:.0f}" if abs(value) >= 10.0**significant else f"{value:.{significant}g}"
+    return f"{value:.0f}" if abs(value) >= 10.0 ** (significant - 1) else f"{value:.{significant}g}"
