@@ -18,7 +18,7 @@ from sim.errors import ScenarioError
 from sim.estimation import assumed_height
 from sim.estimation.navigation_errors import erring_navigator
 from sim.estimation.navigator import navigator
-from sim.estimation.own_trackers import OwnTrackers, check_own
+from sim.estimation.own_trackers import OwnTrackers, check_own, packed, unpacked
 from sim.estimation.setup import check, height_profile
 from sim.estimation.tracking_run import Tracked, track
 from sim.files import claim, plain, refuse_foreign, staged, write_json
@@ -275,15 +275,22 @@ def _elsewhere(
     executor = LocalExecutor(min(workers, len(numbers)))
     try:
         for number in numbers:
-            executor.submit(number, _recorded_there, json.dumps(tables), prepared.scenario.parts, number, own)
-        yield from executor.finished()
+            executor.submit(number, _recorded_there, json.dumps(tables), prepared.scenario.parts, number, packed(own))
+        for number, found in executor.finished():
+            if isinstance(found, ScenarioError):
+                raise found
+            yield number, found
     finally:
         executor.close()
 
 
-def _recorded_there(tables: str, parts: tuple[Part, ...], number: int, own: OwnTrackers | None) -> dict[str, Any]:
-    """In a worker: the record of a flight."""
-    return recorded(prepared_from(tables, parts, bool(own)), number, own)
+def _recorded_there(tables: str, parts: tuple[Part, ...], number: int, own: bytes) -> dict[str, Any] | ScenarioError:
+    """In a worker: the record of a flight, or why there can be none of any."""
+    try:
+        brought = unpacked(own)
+    except ScenarioError as error:
+        return error
+    return recorded(prepared_from(tables, parts, bool(brought)), number, brought)
 
 
 @functools.lru_cache(maxsize=1)

@@ -120,7 +120,7 @@ def _made(name: str, made: Any, supplied: dict[str, Any]) -> Any:
         )
     try:
         return made(**supplied) if isinstance(made, type) else dataclasses.replace(made, **supplied)
-    except Exception as error:
+    except Exception as error:  # the class is the caller's: it may raise anything
         with_what = ", ".join(supplied) or "nothing"
         raise ScenarioError(f"tracker '{name}': making it with {with_what} raises {said(error)}") from None
 
@@ -161,6 +161,26 @@ def check_own(prepared: Prepared, own: Mapping[str, Any] | None) -> None:
         set_up(prepared, name, given)
 
 
+def packed(own: Mapping[str, Any] | None) -> bytes:
+    """The caller's trackers as they travel to a worker; raises ``ScenarioError`` for one that cannot be sent."""
+    try:
+        return pickle.dumps(dict(own or {}), 4)
+    except Exception as error:  # their classes may raise anything
+        raise ScenarioError(f"the trackers of the caller cannot be sent to a worker: {error}") from None
+
+
+def unpacked(content: bytes) -> dict[str, Any]:
+    """In a worker: the caller's trackers; raises ``ScenarioError`` where it does not find their classes."""
+    try:
+        found: dict[str, Any] = pickle.loads(content)  # of this program's own first process, never of a file
+    except Exception as error:  # what it imports may raise anything
+        raise ScenarioError(
+            f"a worker process does not find the trackers of the caller ({error}): put their classes into a file that "
+            "it can import, or take one worker"
+        ) from None
+    return found
+
+
 def digests_of_own(own: Mapping[str, Any]) -> dict[str, str]:
     """What tells the caller's trackers from others, by their address: their parameters and the file of their class.
 
@@ -169,10 +189,7 @@ def digests_of_own(own: Mapping[str, Any]) -> dict[str, str]:
     found = {}
     for name, given in own.items():
         made = given.made if isinstance(given, OwnTracker) else given
-        try:
-            content = pickle.dumps(given, 4)
-        except Exception as error:
-            raise ScenarioError(f"tracker '{name}': cannot be sent to a worker, which a study needs: {error}") from None
+        content = packed({name: given})
         try:
             text = inspect.getsource(inspect.getmodule(made if isinstance(made, type) else type(made)) or OwnTracker)
         except (OSError, TypeError):  # typed at a prompt

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from sim import experiment
 from sim.errors import ScenarioError
-from sim.estimation.own_trackers import OwnTrackers
+from sim.estimation.own_trackers import OwnTrackers, unpacked
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics.ensemble.verdict import CRASHED, REFUSED
@@ -29,32 +29,33 @@ class Job(NamedTuple):
     drawn: dict[str, float]  # what the sample changes
     cache: str | None = None  # folder of flights that cells share
     parts: tuple[Part, ...] = ()  # kinds from outside that the study names
-    own: OwnTrackers | None = None  # trackers of the caller
+    own: bytes | None = None  # trackers of the caller, packed
 
 
 def fly(job: Job) -> dict[str, Any]:
     """The record of one flight, that of a run with its place in the study; one that cannot begin is a record too."""
     try:
+        own = unpacked(job.own) if job.own else {}
         tables = json.dumps(with_values(job.tables, job.drawn))
-        prepared = experiment.prepared_from(tables, tuple(job.parts), bool(job.own))
+        prepared = experiment.prepared_from(tables, tuple(job.parts), bool(own))
     except ScenarioError as error:
         return lost(job, str(error), REFUSED)
     place, name = _kept_at(prepared, job)
     kept = None if place is None else flight_cache.load(place, name, prepared)
     if kept is not None:
         with contextlib.suppress(Exception):  # a record that fails may be at fault itself: it is flown again
-            return _judged(prepared, kept, job)
+            return _judged(prepared, kept, job, own)
     try:
         flight = experiment.fly(prepared, job.flight)
         if place is not None:
             flight_cache.store(place, name, flight)
-        return _judged(prepared, flight, job)
+        return _judged(prepared, flight, job, own)
     except ScenarioError as error:
         return lost(job, str(error))
 
 
-def _judged(prepared: Prepared, flight: Flight, job: Job) -> dict[str, Any]:
-    found = experiment.evaluate(prepared, flight, job.flight, job.own)
+def _judged(prepared: Prepared, flight: Flight, job: Job, own: OwnTrackers) -> dict[str, Any]:
+    found = experiment.evaluate(prepared, flight, job.flight, own)
     return _placed(job, experiment.record_of(job.flight, found))
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.errors import OutputError
-from sim.estimation.own_trackers import OwnTrackers, check_own, digests_of_own
+from sim.estimation.own_trackers import OwnTrackers, check_own, digests_of_own, packed
 from sim.experiment import read
 from sim.files import plain, replace, replace_json
 from sim.flight.preparation import prepare
@@ -139,8 +139,9 @@ def _fly_all(
         found = _finished(planned, folder, stamp, remark)
         records = {place: named(record, planned.axes, again) for place, record in found.items()}
         cache = str(folders.flights_of(folder).resolve())
+        sent = packed(own) if own else None
         waiting = [
-            Job(cell, sample, flight, {**planned.cells[cell], **drawn}, tables[cell], drawn, cache, planned.parts, own)
+            Job(cell, sample, flight, {**planned.cells[cell], **drawn}, tables[cell], drawn, cache, planned.parts, sent)
             for cell, sample, flight in planned.numbers()
             for drawn in (planned.samples[sample],)
             if (cell, sample, flight) not in records

@@ -48,7 +48,7 @@ class Row:
 
     def plain(self) -> dict[str, Any]:
         """As JSON has it."""
-        span = Span(*(None,) * 3)._asdict() if self.span is None else self.span._asdict()  # type: ignore[arg-type]
+        span = dict.fromkeys(Span._fields) if self.span is None else self.span._asdict()
         told = {"metric": self.metric, "cell": self.cell, "a": self.a, "b": self.b, "n": list(self.n), **span}
         return told | {"changed": self.changed, "tolerance": self.tolerance, "beyond": self.beyond}
 

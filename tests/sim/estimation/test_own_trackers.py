@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+import types
+
 import pytest
 
 import sim
-from sim.estimation.own_trackers import set_up
+from sim.errors import ScenarioError
+from sim.estimation.own_trackers import packed, set_up, unpacked
 from sim.flight.preparation import prepare
 from sim.studies.study import resume
 from sim.workers.executors import LocalExecutor
@@ -100,3 +104,16 @@ def test_the_fixture_takes_it(shortfinal):
 def test_explain_is_a_text():
     assert "radar" in sim.explain(TABLES, {"wind.speed_mps": 5, "wind.from_deg": 90})
     assert sim.explain(sim.read(TABLES)) == sim.explain(TABLES)
+
+
+def test_a_worker_that_does_not_find_a_class_says_so(monkeypatch):
+    typed = types.ModuleType("typed_at_a_prompt")
+    typed.Mine = type("Mine", (), {"__module__": typed.__name__})
+    with monkeypatch.context() as here:
+        here.setitem(sys.modules, typed.__name__, typed)
+        sent = packed({"mine": typed.Mine})
+        assert unpacked(sent) == {"mine": typed.Mine}
+    with pytest.raises(ScenarioError, match=r"does not find the trackers of the caller .* or take one worker"):
+        unpacked(sent)
+    with pytest.raises(ScenarioError, match="cannot be sent to a worker"):
+        packed({"mine": lambda: None})
