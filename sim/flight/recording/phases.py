@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from aircraft.state import STANDARD_GRAVITY
+from autopilot.last_turn import bank_of_turn
 from sim.flight.recording.smoothing import Path
 from sim.scenario.tables import Runway
 from tracking.measurement import wrap
@@ -41,8 +41,8 @@ def bank_of(path: Path) -> np.ndarray:
     speed and turn rate are then those over the ground; see docs/recordings.md for what is left of a known bank.
     """
     (north, east, _), (pushed_north, pushed_east, _) = path.velocity, path.acceleration
-    across = (north * pushed_east - east * pushed_north) / np.maximum(np.hypot(north, east), 1.0)
-    return np.asarray(np.arctan(across / STANDARD_GRAVITY))
+    speed = np.maximum(np.hypot(north, east), 1.0)
+    return np.asarray(bank_of_turn(speed, (north * pushed_east - east * pushed_north) / speed**2))
 
 
 def phases_of(path: Path, runway: Runway) -> np.ndarray:

@@ -1,7 +1,8 @@
 """The last turn onto final of one flight, flown or recorded, from its position and velocity over the ground alone.
 
 All is worked out once a second, so that a flight of ours and one that a surveillance sensor saw are measured alike.
-The bank is that of the turn, atan(V course' / g); its slope is that of the straight line through 11 s.
+The bank is that of the turn (`autopilot.last_turn`); its slope is that of the straight line through 11 s. What counts
+as a turn is wider here than for a capture that is to be identified: the flights are compared with those of others.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from aircraft.state import STANDARD_GRAVITY
+from autopilot.last_turn import bank_of_turn, turn_rate
 from sim.flight.record import Flight
 from tracking.measurement import wrap
 
@@ -71,8 +72,8 @@ def last_turn(flight: Flight) -> LastTurn | None:
     course = np.unwrap(np.arctan2(velocity_east, velocity_north)[:last])
     along_north, along_east = leg.direction
     z = (east - leg.end[1]) * along_north - (north - leg.end[0]) * along_east
-    rate = np.gradient(course)
-    bank = np.arctan(speed * rate / STANDARD_GRAVITY)
+    rate = turn_rate(time, course)
+    bank = bank_of_turn(speed, rate)
     slope = _slopes(bank)
     error = np.asarray(wrap(course - leg.course))
     found = _turn(error, course, rate)
