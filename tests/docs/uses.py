@@ -151,13 +151,13 @@ def transcript(use: Use, folder: Path) -> str:
 
 
 def chart(report: Path, title: str) -> bytes:
-    """The SVG of one chart of a report."""
+    """The SVG of one chart of a report, on paper of its own: a page that shows it may be dark."""
     head = re.escape(html.escape(title))
     pattern = rf'<h3>{head}</h3>.*?(<svg class="drawing".*?</svg>)\s*<figcaption'
     found = re.search(pattern, report.read_text(), re.DOTALL)
     if found is None:
         raise RuntimeError(f"{report}: has no chart '{title}'")
-    return found[1].encode()
+    return found[1].replace("<svg ", '<svg style="background:#fff" ', 1).encode()
 
 
 def renewed(page: str, name: str, text: str) -> str:
