@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -565,39 +564,49 @@ def main() -> None:
     one_thread()
     prepared_streams()
     with stopped_by_signals() as came:
-        code = _ended()
-        if came and code == STOPPED + signal.SIGINT:  # typer's own code for all that comes while it reads the words
+        code = _ended(came)
+        if came and code:  # typer has a code of its own for what comes while it reads the words
             code = STOPPED + came[0]
         sys.exit(code)
 
 
-def _ended() -> Any:
-    """The exit code of the command that was asked for."""
+def _ended(came: list[int]) -> Any:
+    """The exit code of the command that was asked for; ``came`` are the signals that were to stop it."""
     try:
         return written(lambda: app(standalone_mode=False))
-    except SystemExit:
-        say("shortfinal: a part or a model ends the process; it must raise an error instead")
-        return BAD_INPUT
-    except Interrupted as stop:
-        say("stopped")
-        return stop.code
-    except Unwritable as error:
-        say(f"shortfinal: {error}")
-        return UNFORESEEN
-    except UsageError as error:
-        told = error.format_message()
-        if "\n" in told:  # nothing was asked, and the help is the answer
-            typer.echo(told)
-        else:
-            command = error.ctx.command_path if error.ctx else app.info.name
-            say(f"shortfinal: {printable(told).rstrip('.')}; see '{command} -h'")
-        return BAD_INPUT
-    except (ScenarioError, OutputError) as error:
-        for line in str(error).splitlines():
-            say(f"shortfinal: {printable(line)}")
-        return BAD_INPUT
-    except Exception as error:
-        return unforeseen(error)
+    except BaseException as error:
+        if came:  # extensions that are being imported make other errors of it
+            say("stopped")
+            return STOPPED + came[0]
+        return _told(error)
+
+
+def _told(error: BaseException) -> int:
+    """What went wrong, in sentences, and its exit code."""
+    match error:
+        case SystemExit():
+            say("shortfinal: a part or a model ends the process; it must raise an error instead")
+            return BAD_INPUT
+        case Interrupted():
+            say("stopped")
+            return error.code
+        case Unwritable():
+            say(f"shortfinal: {error}")
+            return UNFORESEEN
+        case UsageError():
+            told = error.format_message()
+            if "\n" in told:  # nothing was asked, and the help is the answer
+                typer.echo(told)
+            else:
+                command = error.ctx.command_path if error.ctx else app.info.name
+                say(f"shortfinal: {printable(told).rstrip('.')}; see '{command} -h'")
+            return BAD_INPUT
+        case ScenarioError() | OutputError():
+            for line in str(error).splitlines():
+                say(f"shortfinal: {printable(line)}")
+            return BAD_INPUT
+        case _:
+            return unforeseen(error)
 
 
 if __name__ == "__main__":

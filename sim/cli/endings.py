@@ -24,6 +24,14 @@ STOPPED = 128  # and the number of the signal, as shells have it
 STOPPING = (signal.SIGTERM, signal.SIGHUP)
 
 
+class SignalCame(KeyboardInterrupt):
+    """A signal that is to stop the command, with its number.
+
+    Its own class, because of a plain `KeyboardInterrupt` that passes through code which an extension runs Python keeps
+    a note, and ends the process as SIGINT would, whatever exit code it was given.
+    """
+
+
 class Interrupted(Exception):
     """A command that was stopped, with its exit code."""
 
@@ -60,7 +68,8 @@ def told_apart() -> Iterator[None]:
 def stopped_by_signals() -> Iterator[list[int]]:
     """Within, batch systems can stop this process as Ctrl-C does: nothing is left behind. Gives the signals that came.
 
-    A signal that is ignored already, as ``nohup`` has it, stays ignored. A second one does not disturb the cleaning up.
+    A signal that is ignored already, as ``nohup`` has it, stays ignored. A second one does not disturb the cleaning up,
+    but for a second Ctrl-C.
     """
     came: list[int] = []
 
@@ -68,11 +77,13 @@ def stopped_by_signals() -> Iterator[list[int]]:
         came.append(number)
         for each in STOPPING:
             signal.signal(each, signal.SIG_IGN)
-        raise KeyboardInterrupt(number)
+        if number == signal.SIGINT:  # a second Ctrl-C is meant
+            signal.signal(number, signal.default_int_handler)
+        raise SignalCame(number)
 
-    before = {number: signal.getsignal(number) for number in STOPPING}
+    before = {number: signal.getsignal(number) for number in (*STOPPING, signal.SIGINT)}
     for number, handler in before.items():
-        if handler == signal.SIG_DFL:
+        if handler in (signal.SIG_DFL, signal.default_int_handler):
             signal.signal(number, stop)
     try:
         yield came

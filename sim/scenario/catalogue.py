@@ -44,6 +44,12 @@ def kinds(family: str) -> list[str]:
     return list(_kinds_in(places, tuple(os.stat(place).st_mtime_ns for place in places)))
 
 
+def has(family: str, kind: str) -> bool:
+    """Whether a family has a kind; one that is in use already needs no look at its folder."""
+    package, _ = FOLDERS[family]
+    return (f"{package}.{kind}" in sys.modules and not kind.startswith("_")) or kind in kinds(family)
+
+
 @functools.lru_cache(maxsize=64)
 def _kinds_in(places: tuple[str, ...], changed: tuple[int, ...]) -> tuple[str, ...]:
     """Names of the modules in folders, looked up again when one of them has changed."""

@@ -74,7 +74,7 @@ class Catalogue:
 
         Raises ``KeyError`` where nobody has it, ``ScenarioError`` where two have it or its package cannot be imported.
         """
-        if kind in catalogue.kinds(family):
+        if catalogue.has(family, kind):
             return None
         brought = [part for part in self._brought(family) if part.kind == kind]
         if len(brought) == 1 and brought[0] in self.settled:

@@ -29,6 +29,9 @@ commands.main()
 """
 
 
+ROOT = Path(__file__).resolve().parents[3]
+
+
 def started(*arguments, **how):
     """A process of the project's own code."""
     return subprocess.Popen(
@@ -57,6 +60,45 @@ def test_a_command_that_is_stopped_while_its_words_are_read_ends_the_same(monkey
     with pytest.raises(SystemExit) as ended:
         commands.main()
     assert ended.value.code == code
+
+
+def test_what_an_extension_makes_of_a_signal_is_a_stop_too(monkeypatch, capsys, tmp_path):
+    """One that is imported at that moment says that its initialization failed."""
+
+    def parse(*given):
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(10)
+        except KeyboardInterrupt:
+            raise ImportError("initialization failed") from None
+
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(sys, "argv", ["shortfinal", "list"])
+    monkeypatch.setattr("typer.core.TyperGroup.make_context", parse)
+    with pytest.raises(SystemExit) as ended:
+        commands.main()
+    assert (ended.value.code, capsys.readouterr().err) == (143, "stopped\n")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_signal_within_code_that_an_extension_runs_keeps_the_exit_code(tmp_path):
+    """Python notes a plain KeyboardInterrupt there, and ends as SIGINT does whatever exit code is asked for."""
+    embedded = """
+import ctypes, sys
+from sim.cli.endings import stopped_by_signals
+run = ctypes.pythonapi.PyRun_String
+run.restype = ctypes.py_object
+run.argtypes = ctypes.c_char_p, ctypes.c_int, ctypes.py_object, ctypes.py_object
+with stopped_by_signals() as came:
+    try:
+        run(b"import os, signal, time; os.kill(os.getpid(), signal.SIGTERM); time.sleep(10)", 257, {}, {})
+    except KeyboardInterrupt:
+        sys.exit(128 + came[0])
+"""
+    (tmp_path / "embedded.py").write_text(embedded, encoding="utf-8")
+    process = started("-m", "embedded", env={**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"})
+    process.communicate(timeout=30)
+    assert process.returncode == 143
 
 
 def test_a_signal_that_is_ignored_stays_ignored():
