@@ -301,7 +301,7 @@ def test_aircraft_files_hold_no_gains():
 def test_nothing_is_inherited():
     """Classes are NamedTuples, Protocols, frozen dataclasses and exceptions; an outside interface may be met."""
     exceptions = {
-        name for name, thing in vars(builtins).items() if isinstance(thing, type) and issubclass(thing, Exception)
+        name for name, thing in vars(builtins).items() if isinstance(thing, type) and issubclass(thing, BaseException)
     }
     allowed = {"NamedTuple", "Protocol"} | exceptions
     outside = ("jsbsim.", "BaseModel", "pytest.", "HTMLParser", "Mapping[")
