@@ -22,9 +22,10 @@ it: a channel beyond `FARTHEST` is taken for absent, and an update that leaves n
 instant - is not made, the run goes on by its prediction.
 
 What a tracker may say besides, each read in one place: ``modes`` (`modes_of`), ``intents`` and ``switched``
-(`intents_of`), ``steer`` (`TimeStamped`), ``per_run`` (`per_run_of`). Trackers that differ in nothing but ``law`` and
-what is ``per_run`` are run as one, these stacked over the runs. A kind whose fields have no usable defaults says in
-``example: ClassVar[dict[str, Any]]`` what a scenario would write, without ``kind``; its contract is tried with that.
+(`intents_of`), ``steer`` (`TimeStamped`), ``per_run`` (`per_run_of`), ``recorded`` (`is_recorded`). Trackers that
+differ in nothing but ``law`` and what is ``per_run`` are run as one, these stacked over the runs. A kind whose fields
+have no usable defaults says in ``example: ClassVar[dict[str, Any]]`` what a scenario would write, without ``kind``; its
+contract is tried with that.
 """
 
 from __future__ import annotations
@@ -223,6 +224,15 @@ def intents_of(tracker: Any) -> tuple[str, ...]:
     answers ``switched(probabilities (k, M, *B), dt (k, 1, 1) s)``: what they are dt later before anything is measured.
     """
     return tuple(getattr(tracker, "intents", ()))
+
+
+def is_recorded(tracker: Any) -> bool:
+    """Whether a tracker, or a class of them, brings estimates that were made elsewhere.
+
+    Such a one has ``recorded = True``, ``channels`` and ``estimates``, and is judged by what it brings. It is not run:
+    it has no ``begin``, ``step`` and ``estimate``.
+    """
+    return bool(getattr(tracker, "recorded", False))
 
 
 def per_run_of(tracker: Any) -> dict[str, str]:

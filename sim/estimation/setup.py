@@ -23,7 +23,7 @@ from tracking.contract import missing_members
 from tracking.height_profile import ChartedHeight, HeightProfile, MeasuredHeight
 from tracking.measurement import DebiasedPolar, LinearMeasurement, MeasurementModel, Stacked
 from tracking.partial_place import Azimuth, Chosen, SlantRange
-from tracking.track import TrackerError
+from tracking.track import TrackerError, is_recorded
 
 
 def reads_places(tracker: Any) -> bool:
@@ -66,6 +66,8 @@ def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, 
     Raises ``TrackerError`` where making one raises something else than ``ValueError``.
     """
     cls = choice.cls
+    if is_recorded(cls):
+        return _brought(prepared, name, choice), None
     wanted = _given(cls)
     sensors = {sensor: prepared.scenario.sensors[sensor] for sensor in choice.sensors}
     supplied: dict[str, Any] = {}
@@ -113,6 +115,23 @@ def untried(prepared: Prepared, name: str, choice: TrackerChoice) -> tuple[Any, 
     return AmongFalsePlots(tracker, _cluttered(name, sensors)), law_from
 
 
+def _brought(prepared: Prepared, name: str, choice: TrackerChoice) -> Any:
+    """A tracker that brings its estimates; raises ``ScenarioError`` for what it cannot be asked."""
+    scenario, place = prepared.scenario, f"[trackers.{name}]"
+    asked = {"law": choice.law, "handover": choice.handover, "association": choice.association}
+    for key, value in asked.items():
+        if value:
+            raise ScenarioError(f"{place} {key}: a recorded track is judged as it is; take {key} out")
+    if scenario.autopilot.navigation == name:
+        raise ScenarioError(f"[autopilot] navigation: '{name}' is recorded, and cannot lead an aircraft")
+    if scenario.study is not None:
+        raise ScenarioError(f"{place} is the track of one flight, and [study] flies others")
+    try:
+        return construct(choice.cls, choice.table, runway=scenario.runway)
+    except ValueError as error:
+        raise ScenarioError(f"{place} {error}") from None
+
+
 def _cluttered(name: str, sensors: dict[str, Any]) -> Any:
     """The one sensor of a tracker that associates."""
     radar = next(iter(sensors.values()))
@@ -157,6 +176,8 @@ def check(prepared: Prepared) -> None:
                 raise ScenarioError(
                     f"[trackers.{name}] handover: goes round in a circle, {' <- '.join([*chain, before])}"
                 )
+            if is_recorded(built[before]):
+                raise ScenarioError(f"[trackers.{chain[-1]}] handover: '{before}' is recorded, and hands nothing over")
             chain.append(before)
             before = choices[before].handover
         if choice.handover is not None:

@@ -14,6 +14,7 @@ from sim.estimation.batching import can_batch, join_runs, repeat_runs, runs_of, 
 from sim.estimation.look_ahead import LookAhead, Looks, instants_of, look_ahead_rmse
 from sim.estimation.own_trackers import set_up
 from sim.estimation.prior import prior
+from sim.estimation.recorded.judged import judge
 from sim.estimation.setup import build, height_profile
 from sim.estimation.without_truth.judged import figures_from_plots, with_agreement
 from sim.estimation.without_truth.places import places
@@ -32,7 +33,7 @@ from sim.observation.sensor import quantity_of
 from sim.workers.sharing import current
 from tracking.conformance import CONFORMANCE
 from tracking.gaussian import Gaussian, Mixture, merge
-from tracking.track import Measurements, Track, TrackerError, believed, chunks, follow, modes_of, stepped
+from tracking.track import Measurements, Track, TrackerError, believed, chunks, follow, is_recorded, modes_of, stepped
 from tracking.track import track as run_tracker
 
 
@@ -85,12 +86,18 @@ def track(
         for sensors in dict.fromkeys(one.sensors for one in every.values())
     }
     entries: list[Entry] = []
+    tracked: dict[str, Tracked] = {}
     for one in every.values():
         figures[one.name] = {
             "kind": one.kind, "law_from": one.law_from, "overall": {}, "by_phase": {}, "conformance": None,
             "monitor": None,
         }  # fmt: skip
         seen = _between(arrived[one.sensors], -math.inf, float(flight.time[-1]))
+        if is_recorded(one.tracker):
+            if one.tracker.flight == number:
+                tracked[one.name], found = _brought(watch, one, arrived[one.sensors])
+                figures[one.name] |= found
+            continue
         if flight.known:
             start = begins(prepared, one.name, one.sensors, seen, flight)
         else:
@@ -105,7 +112,6 @@ def track(
     ours = [(group,) for group in groups if group[0].name not in own]
     results = current().in_order(run_group, ours, (watch, since))
     results += [run_group(watch, since, group) for group in groups[len(ours) :]]
-    tracked: dict[str, Tracked] = {}
     for group, result in zip(groups, results, strict=True):
         record = since[group[0].sensors, group[0].start]
         for entry, outcome in zip(group, result, strict=True):
@@ -118,6 +124,21 @@ def track(
         known = {entry.name: _sensors_of(watch, entry.sensors) for entry in entries}
         with_agreement(figures, {name: (tracked[name].track, sensors) for name, sensors in known.items()})
     return {name: tracked[name] for name in every if name in tracked}, figures
+
+
+def _brought(watch: Watch, one: SetUp, record: Measurements) -> tuple[Tracked, dict[str, Any]]:
+    """A track that was made elsewhere, and its figures."""
+    flight, sensors = watch.flight, _sensors_of(watch, one.sensors)
+    if not flight.known:
+        raise ScenarioError(
+            f"[trackers.{one.name}] a recorded track is judged against a flight, and [record] names none"
+        )
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        rows, chart = one.tracker.estimates(flight.utc), height_profile(watch.prepared)
+        found = judge(one.name, one.tracker.channels, rows, flight, sensors, chart, record)
+    until = _between(record, -math.inf, float(flight.time[-1]))
+    own = {**found.figures, **skipped(found.track)}
+    return Tracked(one.tracker, None, until, found.track, found.curves, found.rollout, found.squares), own
 
 
 class SetUp(NamedTuple):

@@ -125,14 +125,14 @@ class CellTable:
         self.suffixes[field] = suffix = known[0][1]
         return SUFFIXES[suffix][1] * self.numbers(column)
 
-    def stamps(self) -> Stamps:
-        """The stamps of the column of the time."""
+    def stamps(self, rising: bool = True) -> Stamps:
+        """The stamps of the column of the time, which must rise unless ``rising`` is false."""
         column = self.only("time", [i for i, name in enumerate(self.names) if name in TIME])
         if column is None:
             raise ValueError(
                 f"no column says the time; call it {' or '.join(TIME[:2])} (columns: {listed(self.header)})"
             )
-        return read_stamps([cell.strip() for cell in self.columns[column]], self.lines, self.names[column])
+        return read_stamps([cell.strip() for cell in self.columns[column]], self.lines, self.names[column], rising)
 
     def numbers(self, column: int) -> np.ndarray:
         """(k,) numbers of a column, NaN where a cell is empty."""

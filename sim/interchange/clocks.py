@@ -16,7 +16,7 @@ CLOCK = re.compile(r"(\d{1,2}):(\d{2})(?::(\d{2}(?:\.\d*)?))?")
 
 
 class Stamps(NamedTuple):
-    """When k things were recorded, each after the one before."""
+    """When k things were recorded, each after the one before, unless their file may have them in any order."""
 
     dated: bool  # whether they count from 1970 (UTC); otherwise within a day (UTC), or within a flight
     time: np.ndarray  # (k,) s; those of a day go on beyond midnight
@@ -32,14 +32,17 @@ class Stamps(NamedTuple):
         if self.dated:
             return self.time - utc
         apart = self.time - utc % DAY
+        if (np.diff(self.time) < 0.0).any():  # in any order: each on the day that brings it nearest
+            return np.asarray(apart - DAY * np.round(apart / DAY))
         return np.asarray(apart - DAY * round(float(apart[0]) / DAY))
 
 
-def read_stamps(cells: Sequence[str], lines: Sequence[int], name: str) -> Stamps:
+def read_stamps(cells: Sequence[str], lines: Sequence[int], name: str, rising: bool = True) -> Stamps:
     """The stamps of a column ``name``; ``lines`` are those of its file that the cells come from.
 
     The first cell says which form all have. Raises ``ValueError`` in one sentence for what is none, and for stamps
-    that do not rise.
+    that do not rise, unless they need not; midnight can then not be told from disorder, and times of day stay within
+    one day.
     """
     form, read = _form(cells[0])
     try:
@@ -52,6 +55,8 @@ def read_stamps(cells: Sequence[str], lines: Sequence[int], name: str) -> Stamps
     if read is float and time.min() >= MILLISECONDS:
         time = 1e-3 * time
     dated = bool(time.min() >= EARLIEST)
+    if not rising:
+        return Stamps(dated, time)
     if not dated:
         time = time + DAY * np.concatenate(([0.0], np.cumsum(np.diff(time) < -0.5 * DAY)))  # midnight has passed
     falling = np.flatnonzero(np.diff(time) <= 0.0)

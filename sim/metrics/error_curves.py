@@ -10,7 +10,7 @@ from sim.flight.interpolation import Truth
 from sim.flight.record import Flight, runs
 from sim.metrics import comparison
 from sim.metrics.comparison import Compared
-from sim.metrics.tracker import TrackerErrors
+from sim.metrics.tracker import TrackerErrors, mean_of_present
 from tracking.track import Track
 
 LEVELS = (2.5, 97.5)  # %, of errors
@@ -69,7 +69,9 @@ def error_curves(flight: Flight, sensors: dict[str, Any], track: Track, errors: 
     first, draws = _first_seen(errors.plots), track.mean.shape[2]
     edges = windows(track.time, first, flight, draws)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # a lost track is a result
-        curves = {channel: _curves(it, errors.plots.get(channel), edges) for channel, it in compared.items()}
+        curves = {
+            channel: _curves(it, errors.plots.get(channel), edges, errors.present) for channel, it in compared.items()
+        }
         nis, samples = _innovations(track, edges)
         path = DrawnPath(track.time, *(_from(first, values) for values in _path(errors.truth, sensors, compared)))
     middle = np.array([(a + b - 1) // 2 for a, b in edges], int)
@@ -153,7 +155,18 @@ def _path(truth: Truth, sensors: dict[str, Any], compared: dict[str, Compared]) 
     return place, spread, height, sigma
 
 
-def _curves(compared: Compared, plots: Compared | None, edges: list[tuple[int, int]]) -> ChannelCurves:
+def _filled(values: np.ndarray, present: np.ndarray | None) -> np.ndarray:
+    """Values (k, draws) with the mean of the draws that are present where one is absent: so they count by epochs."""
+    if present is None:
+        return values
+    count = present.sum(axis=1)
+    mean = np.where(count > 0, np.where(present, values, 0.0).sum(axis=1) / np.maximum(count, 1), np.nan)
+    return np.where(present, values, mean[:, None])
+
+
+def _curves(
+    compared: Compared, plots: Compared | None, edges: list[tuple[int, int]], present: np.ndarray | None
+) -> ChannelCurves:
     squares, dimension = comparison.squared(compared), compared.error.shape[1]
     spread = np.einsum("kiin->kn", compared.cov)
     measured = np.full(squares.shape, np.nan) if plots is None else comparison.squared(plots)
@@ -165,8 +178,8 @@ def _curves(compared: Compared, plots: Compared | None, edges: list[tuple[int, i
         low, high = _percentiles(compared.error[:, 0], edges, LEVELS)
     (p95,) = _percentiles(squares, edges, (95.0,))
     looked = seen.any(axis=1) if seen.any() else np.ones(len(squares), bool)
-    rmse, sigma = np.sqrt(pooled(squares, edges)), np.sqrt(pooled(spread, edges))
-    anees = pooled(comparison.normalised(compared), edges) / dimension
+    rmse, sigma = (np.sqrt(pooled(_filled(values, present), edges)) for values in (squares, spread))
+    anees = pooled(_filled(comparison.normalised(compared), present), edges) / dimension
     return ChannelCurves(
         _finite(rmse),
         _finite(sigma),
@@ -175,7 +188,7 @@ def _curves(compared: Compared, plots: Compared | None, edges: list[tuple[int, i
         _finite(high),
         _finite(np.sqrt(p95)),
         _finite(anees),
-        squares[looked].mean(axis=0),
+        mean_of_present(squares[looked], None if present is None else present[looked]),
     )
 
 

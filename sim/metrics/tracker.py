@@ -24,6 +24,7 @@ class TrackerErrors(NamedTuple):
     truth: Truth  # at the epochs
     estimates: dict[str, Compared]
     plots: dict[str, Compared]
+    present: np.ndarray | None = None  # (k, draws) of a track that was made elsewhere: where it has an estimate
 
 
 def plot_errors(flight: Flight, sensors: dict[str, Any], chart: Charted, record: Measurements) -> dict[str, Compared]:
@@ -45,19 +46,24 @@ def tracker_metrics(flight: Flight, track: Track, errors: TrackerErrors) -> dict
     truth = errors.truth
     figures: dict[str, Any] = {"overall": {}, "by_phase": {}}
     for channel, squares, measured, looked in where_measured(errors):
-        figures["overall"][channel] = _figure(squares[looked], measured[looked])
+        figures["overall"][channel] = _figure(squares[looked], measured[looked], _of(errors.present, looked))
         for index in np.unique(truth.phase[looked]):
             chosen = looked & (truth.phase == index)
             by_phase = figures["by_phase"].setdefault(flight.phases[index], {})
-            by_phase[channel] = _figure(squares[chosen], measured[chosen])
+            by_phase[channel] = _figure(squares[chosen], measured[chosen], _of(errors.present, chosen))
     first = next(iter(errors.estimates.values()), None)
     if first is not None:
         dimension = first.error.shape[1]
         squares = comparison.normalised(first)
-        anees = mean_interval(np.mean(squares, axis=0) / dimension)
+        anees = mean_interval(mean_of_present(squares, errors.present) / dimension)
         figures |= {"anees": anees.value, "anees_low": anees.low, "anees_high": anees.high}
-        figures["lost_fraction"] = float(np.mean(consistency.lost(squares, dimension)))
-        figures["lost_time_s"] = _lost_time(track.time, squares, dimension)
+        if errors.present is not None:
+            squares = np.where(errors.present, squares, 0.0)
+        if errors.present is not None and not np.isfinite(squares).all():  # it states no covariance
+            figures |= dict.fromkeys(("anees", "anees_low", "anees_high", "lost_fraction", "lost_time_s"))
+        else:
+            figures["lost_fraction"] = float(np.mean(consistency.lost(squares, dimension)))
+            figures["lost_time_s"] = _lost_time(track.time, squares, dimension)
     rows = np.isfinite(track.white).sum(axis=1)
     if rows.any():
         figures["anis"] = float(np.sum(np.where(rows > 0, track.nis, 0.0)) / rows.sum())
@@ -95,15 +101,27 @@ def _lost_time(time: np.ndarray, squares: np.ndarray, dimension: int) -> float |
     return float(time[before]) if before < len(time) else None
 
 
-def _figure(squares: np.ndarray, raw: np.ndarray) -> dict[str, float | None]:
+def mean_of_present(values: np.ndarray, present: np.ndarray | None) -> np.ndarray:
+    """Mean over epochs (k, draws) of each draw that has any; None = all have all."""
+    if present is None:
+        return np.asarray(values.mean(axis=0))
+    count = present.sum(axis=0)
+    return np.asarray(np.where(present, values, 0.0).sum(axis=0)[count > 0] / count[count > 0])
+
+
+def _of(present: np.ndarray | None, chosen: np.ndarray) -> np.ndarray | None:
+    return None if present is None else present[chosen]
+
+
+def _figure(squares: np.ndarray, raw: np.ndarray, present: np.ndarray | None) -> dict[str, float | None]:
     """RMSE over epochs and draws with an interval over draws, beside that of the raw measurements.
 
     The gain is the ratio of the two where both are known, its interval a paired one: each draw's noise is in both.
     """
-    own = rmse(squares.mean(axis=0))
+    own = rmse(mean_of_present(squares, present))
     figure: dict[str, float | None] = {"rmse": own.value, "low": own.low, "high": own.high}
     figure |= dict.fromkeys(("raw", "gain", "gain_low", "gain_high"))
-    finite = np.isfinite(raw)
+    finite = np.isfinite(raw) if present is None else np.isfinite(raw) & present
     if finite.any():
         measured = float(np.sqrt(np.mean(raw[finite])))
         common = float(np.sqrt(np.mean(squares[finite])))

@@ -25,6 +25,9 @@ FOLDERS = {
     "truths": ("sim.flight.truths", "fly"),
     "wind_events": ("aircraft.wind_events", "velocity"),
 }
+ELSEWHERE = {  # (family, kind) whose file is in no folder of its family, because that may not read files -> its module
+    ("trackers", "recorded"): ("sim.estimation.recorded.kind", "estimates"),
+}
 RETIRED = {  # (family, kind) that files of before may name -> what to write now
     ("trackers", "route_control"): 'kind = "saturated_control", and for its old form covariance = "jacobian"',
     ("trackers", "law_ekf"): 'kind = "saturated_control" and covariance = "jacobian"',
@@ -41,7 +44,8 @@ def kinds(family: str) -> list[str]:
     """Names of all kinds of a family, without importing any of them."""
     package, _ = FOLDERS[family]
     places = tuple((sys.modules.get(package) or importlib.import_module(package)).__path__)
-    return list(_kinds_in(places, tuple(os.stat(place).st_mtime_ns for place in places)))
+    there = _kinds_in(places, tuple(os.stat(place).st_mtime_ns for place in places))
+    return sorted([*there, *(kind for own, kind in ELSEWHERE if own == family)])
 
 
 def has(family: str, kind: str) -> bool:
@@ -62,14 +66,15 @@ def load(family: str, kind: str) -> type[Any]:
     Raises ``KeyError`` for a kind that has no file, ``ScenarioError`` for a file that defines none.
     """
     package, method = FOLDERS[family]
+    name, method = ELSEWHERE.get((family, kind), (f"{package}.{kind}", method))
     try:
-        module = sys.modules.get(f"{package}.{kind}")
+        module = sys.modules.get(name)
         if module is None:
             if kind not in kinds(family):
                 raise KeyError(kind)
-            module = importlib.import_module(f"{package}.{kind}")
+            module = importlib.import_module(name)
     except SyntaxError as error:
-        raise ScenarioError(f"{package}.{kind}: cannot be imported: {error.msg} (line {error.lineno})") from None
+        raise ScenarioError(f"{name}: cannot be imported: {error.msg} (line {error.lineno})") from None
     return _class_in(module, family, method)
 
 

@@ -29,6 +29,7 @@ from typing import Any, NamedTuple
 from sim.errors import OutputError, ScenarioError, did_you_mean, printable
 from sim.scenario import catalogue
 from sim.scenario.parameters import cached, model_of, parameters
+from tracking.track import is_recorded
 
 OURS = ("aircraft", "autopilot", "tracking", "sim")
 FAMILIES = ("sensors", "trackers", "modes", "wind_events")
@@ -202,7 +203,7 @@ def class_of(part: Part) -> type[Any]:
 def lack(cls: type[Any], family: str) -> str | None:
     """What a class has not that every class of its family has."""
     own = {field.name for field in dataclasses.fields(cls)} | catalogue.own_members(cls)
-    missing = [name for name in members(family) if name not in own]
+    missing = [] if is_recorded(cls) else [name for name in members(family) if name not in own]
     if not missing:
         return None
     return f"has no {' and no '.join(repr(name) for name in missing)}; 'shortfinal contract' says what it needs"

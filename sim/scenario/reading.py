@@ -42,6 +42,7 @@ from sim.scenario.tables import (
     StudyTable,
     WindTable,
 )
+from tracking.track import is_recorded
 
 SHORTEST_PERIOD = (1 - 1e-9) / 120  # s; the flight is not known in finer steps
 LARGEST_FILE = 1 << 20  # bytes; a scenario is a page of text
@@ -213,7 +214,9 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
         if sensor is not None and not (isinstance(period, int | float) and SHORTEST_PERIOD <= period < math.inf):
             faults.append(f"[sensors.{name}] period must be a number of at least 1/120 s, not {period!r}")
     trackers = {
-        name: _tracker(faults, name, catalogue.load("trackers", entry["kind"]), entry, all_sensors, all_trackers)
+        name: _tracker(
+            faults, name, catalogue.load("trackers", entry["kind"]), entry, all_sensors, all_trackers, runway
+        )
         for name, entry in tables.get("trackers", {}).items()
     }
     for i, entry in numbers("sensor_faults"):
@@ -382,7 +385,13 @@ def _event(faults: list[str], place: str, cls: type, table: dict[str, Any], runw
 
 
 def _tracker(
-    faults: list[str], name: str, cls: type, table: dict[str, Any], sensors: dict[str, Any], others: dict[str, Any]
+    faults: list[str],
+    name: str,
+    cls: type,
+    table: dict[str, Any],
+    sensors: dict[str, Any],
+    others: dict[str, Any],
+    runway: Runway,
 ) -> TrackerChoice:
     wanted = table.get("sensors", list(sensors))
     for sensor in wanted:
@@ -396,6 +405,9 @@ def _tracker(
         faults.append(f"[trackers.{name}] handover: no other tracker '{handover}'; {did_you_mean(handover, rest)}")
     own = {k: v for k, v in table.items() if k not in ("kind", "sensors", "handover", "law", "association")}
     law, association = table.get("law", {}), table.get("association")
+    if is_recorded(cls):
+        brought = _construct(faults, f"[trackers.{name}]", cls, own, runway=runway)
+        own = own if brought is None else _completed(brought, own)
     return TrackerChoice(table["kind"], cls, tuple(wanted), handover, own, law, association)
 
 
@@ -422,7 +434,7 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
         for name, sensor in built["sensors"].items()
     }
     out["trackers"] = {
-        name: {**tables["trackers"][name], "sensors": list(choice.sensors)}
+        name: {**tables["trackers"][name], **choice.table, "sensors": list(choice.sensors)}
         for name, choice in built["trackers"].items()
     }
     for several in ("departures", "sensor_faults", "contrasts"):

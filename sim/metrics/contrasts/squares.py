@@ -24,7 +24,9 @@ def squared_errors(flight: Flight, track: Track, errors: TrackerErrors) -> dict[
     Names are those of metrics.json. Sums over them are the squares of its RMSE.
     """
     found: dict[str, Any] = {"overall": {}, "by_phase": {}}
-    for channel, squares, _, looked in where_measured(errors):
+    for channel, squares, _, measured in where_measured(errors):
+        # a pair is of the same moments in all draws
+        looked = measured if errors.present is None else measured & errors.present.all(axis=1)
         found["overall"][channel] = Squares(track.time[looked], squares[looked])
         for index in np.unique(errors.truth.phase[looked]):
             chosen = looked & (errors.truth.phase == index)

@@ -212,6 +212,7 @@ def alarm_charts(
 
     ``trackers`` as in metrics.json.
     """
+    tracked = {name: one for name, one in tracked.items() if trackers[name]["monitor"] is not None}
     shares = {name: alarm_share(flight, one.track) for name, one in tracked.items()}
     curves = {
         name: operating_curves(tracked[name].tracker, tracked[name].track, fault)

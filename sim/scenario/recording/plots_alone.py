@@ -12,11 +12,13 @@ TRACKERS = "trackers."
 
 
 def located(tables: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The tables with the files of sensors counted from a folder, by their absolute paths."""
-    sensors = tables.get("sensors")
-    if not isinstance(sensors, dict):
-        return tables
-    return {**tables, "sensors": {name: _located(table, folder) for name, table in sensors.items()}}
+    """The tables with the files of sensors and trackers counted from a folder, by their absolute paths."""
+    found = {
+        family: {name: _located(table, folder) for name, table in tables[family].items()}
+        for family in ("sensors", "trackers")
+        if isinstance(tables.get(family), dict)
+    }
+    return {**tables, **found}
 
 
 def _located(table: Any, folder: Path) -> Any:
