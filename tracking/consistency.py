@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import special
 
-from tracking.gaussian import Gaussian, Innovation, Mixture, _cholesky, _forward, merge
+from tracking.gaussian import Gaussian, Innovation, Mixture, merge, whitened
 from tracking.intervals import Interval, chi_square, correlation_band, mean_interval, proportion, rmse
 
 Array = Any
@@ -38,7 +38,7 @@ def normalised_error(estimate: Gaussian | Mixture, truth: Array, components: tup
     error, cov = gaussian.mean - truth, gaussian.cov
     if components is not None:
         error, cov = error[list(components)], cov[np.ix_(components, components)]
-    white = _forward(_cholesky(cov), error)
+    white = whitened(cov, error)
     return np.einsum("i...,i...->...", white, white)
 
 

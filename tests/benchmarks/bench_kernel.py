@@ -169,8 +169,8 @@ def interacting_models(rounds: int = 7) -> list[Row]:
             Contestant("IMM 3x4x2, filterpy", filterpy_imm(single), 100),
             *kalbee_imm(single),
             Contestant("IMM 3x4x2, 1 run", ours(tracker, single, PRIOR), 100, 4.0),
-            Contestant("IMM 3x4x2, 130 runs", ours(tracker, hundred, PRIOR), 60 * 130, 200.0),
-            Contestant("IMM 3x4x2, 10,000 runs in chunks of 1024", ours(tracker, many, PRIOR), 12 * 10_000, 350.0),
+            Contestant("IMM 3x4x2, 130 runs", ours(tracker, hundred, PRIOR), 60 * 130, 350.0),
+            Contestant("IMM 3x4x2, 10,000 runs in chunks of 1024", ours(tracker, many, PRIOR), 12 * 10_000, 750.0),
         ],
         rounds,
     )
