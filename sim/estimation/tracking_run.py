@@ -12,7 +12,7 @@ import numpy as np
 from sim.errors import ScenarioError
 from sim.estimation.batching import can_batch, repeat_runs, runs_of, split_track, stack_trackers
 from sim.estimation.look_ahead import LookAhead, Looks, instants_of, look_ahead_rmse
-from sim.estimation.many_draws.collected import CollectedTrack, joined_errors
+from sim.estimation.many_draws.collected import CollectedTrack, filed, joined_errors
 from sim.estimation.own_trackers import set_up
 from sim.estimation.prior import prior
 from sim.estimation.setup import build, height_profile
@@ -29,7 +29,7 @@ from sim.metrics.alarms import monitoring
 from sim.metrics.comparison import Compared
 from sim.metrics.contrasts.squares import squared_errors
 from sim.metrics.error_curves import ErrorCurves, curves_without_truth, error_curves
-from sim.metrics.tracker import TrackerErrors, plot_errors, skipped, tracker_errors, tracker_metrics
+from sim.metrics.tracker import TrackerErrors, looked_for, plot_errors, skipped, tracker_errors, tracker_metrics
 from sim.observation.record import SensorRecord, measurements, of_draws
 from sim.observation.sensor import quantity_of
 from sim.workers.sharing import ALONE, current
@@ -37,6 +37,8 @@ from tracking.conformance import CONFORMANCE
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.track import Measurements, Track, TrackerError, believed, chunks, follow, modes_of, stepped
 from tracking.track import track as run_tracker
+
+MANY, PART = 1024, 512  # more draws than MANY go through a tracker in parts of PART
 
 
 class Tracked(NamedTuple):
@@ -181,7 +183,7 @@ def run_group(watch: Watch, since: Since, group: list[Entry]) -> list[Outcome]:
     """Tracks and figures of trackers that run as one batch; ``since`` has their record, where draws go in one part."""
     flight, first = watch.flight, group[0]
     begun = _prior(watch, first, first.tracker, first.start)
-    sensors, end = _sensors_of(watch, first.sensors), float(flight.time[-1])
+    sensors = _sensors_of(watch, first.sensors)
     trackers = [entry.tracker for entry in group]
     draws = watch.parts[-1].stop
     found = [Found(CollectedTrack(), [], CollectedTrack(), []) for _ in group]
@@ -209,26 +211,29 @@ def run_group(watch: Watch, since: Since, group: list[Entry]) -> list[Outcome]:
             for entry, made, predicted in zip(group, tracks, looks, strict=True)
         ]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-        record = _looked_at(watch, since, first)
-        until, after = _between(record, -math.inf, end), _between(record, math.nextafter(end, math.inf), math.inf)
-        plots = plot_errors(flight, sensors, height_profile(watch.prepared), until)
+        errors = [(joined_errors(one.errors), joined_errors(one.rolling_errors)) for one in found]
+        plots, rolling_plots = _plots(watch, _looked_at(watch, since, first), sensors, *errors[0])
         judged = []
-        for entry, gathered, looked in zip(group, found, looks, strict=True):
-            before = gathered.track.whole()
-            errors = TrackerErrors(truth_at(flight, before.time), joined_errors(gathered.errors), plots)
-            judged.append(_judged(watch, entry, before, errors, looked))
-            if gathered.rolling_errors:
-                judged[-1] = _with_rollout(watch, judged[-1], gathered, sensors, after)
+        for entry, gathered, (against, rolling), looked in zip(group, found, errors, looks, strict=True):
+            whole = gathered.track.whole()
+            off = TrackerErrors(truth_at(flight, whole.time), against, plots)
+            judged.append(_judged(watch, entry, whole, off, looked))
+            if rolling:
+                judged[-1] = _with_rollout(watch, judged[-1], gathered.rolling.whole(), rolling, rolling_plots)
         return judged
+
+
+Errors = dict[str, Compared]
+"""By comparison channel."""
 
 
 class Found(NamedTuple):
     """What the parts of the draws gave for one tracker."""
 
     track: CollectedTrack  # to the end of the flight
-    errors: list[dict[str, Compared]]  # of each part
+    errors: list[Errors]  # of each part
     rolling: CollectedTrack  # after the end of the flight
-    rolling_errors: list[dict[str, Compared]]
+    rolling_errors: list[Errors]
 
 
 def _collect(found: Found, flight: Flight, sensors: dict[str, Any], made: Track) -> None:
@@ -246,6 +251,17 @@ def _collect(found: Found, flight: Flight, sensors: dict[str, Any], made: Track)
                 errors.append(tracker_errors(whole, sensors, part, {}).estimates)
                 # covariances are most of a run's memory, and only maps still read them
                 into.add(part._replace(cov=part.cov.astype(np.float32)))
+
+
+def _plots(
+    watch: Watch, record: Measurements, sensors: dict[str, Any], errors: Errors, rolling: Errors
+) -> tuple[Errors, Errors]:
+    """Errors of what trackers were given, to the end of the flight and after it, as far as theirs are compared."""
+    flight, chart = watch.flight, height_profile(watch.prepared)
+    end = float(flight.time[-1])
+    until, after = _between(record, -math.inf, end), _between(record, math.nextafter(end, math.inf), math.inf)
+    plots = looked_for(errors, plot_errors(flight, sensors, chart, until))
+    return plots, looked_for(rolling, plot_errors(flight.whole, sensors, chart, after)) if rolling else {}
 
 
 def _looking_ahead(watch: Watch, first: Entry, trackers: list[Any], record: Measurements) -> Any:
@@ -274,17 +290,15 @@ def joined(first: Track, second: Track) -> Track:
     return Track(first.channels, *(None if a is None or b is None else np.concatenate((a, b)) for a, b in parts))
 
 
-def _with_rollout(
-    watch: Watch, judged: Outcome, found: Found, sensors: dict[str, Any], record: Measurements
-) -> Outcome:
+def _with_rollout(watch: Watch, judged: Outcome, rolling: Track, own: Errors, plots: Errors) -> Outcome:
     """What was found of a tracker with its figures in the roll-out: a phase of its own, not in the others."""
-    whole, rolling = watch.flight.whole, found.rolling.whole()
-    plots = plot_errors(whole, sensors, height_profile(watch.prepared), record)
-    errors = TrackerErrors(truth_at(whole, rolling.time), joined_errors(found.rolling_errors), plots)
+    whole = watch.flight.whole
+    errors = TrackerErrors(truth_at(whole, rolling.time), own, plots)
     figures = _with_phase(judged.figures, tracker_metrics(whole, rolling, errors))
     squares = judged.squares
     if squares is not None:
-        squares = _with_phase(squares, squared_errors(whole, rolling, errors))
+        after = squared_errors(whole, rolling, errors)
+        squares = _with_phase(squares, filed(after) if len(watch.parts) > 1 else after)
     return judged._replace(figures=figures, rollout=rolling, squares=squares)
 
 
@@ -305,6 +319,8 @@ def _judged(watch: Watch, entry: Entry, made: Track, errors: TrackerErrors, look
     curves = error_curves(watch.flight, sensors, made, errors)
     contrasted = any(entry.name in (one.of, one.against) for one in watch.prepared.scenario.contrasts)
     squares = {**squared_errors(watch.flight, made, errors), "look_ahead": looked} if contrasted else None
+    if squares is not None and len(watch.parts) > 1:
+        squares = filed(squares)
     return Outcome(made, curves, figures, squares=squares)
 
 
@@ -350,7 +366,9 @@ def _size(group: list[Entry]) -> int:
 def _parts(flight: Flight, records: dict[str, SensorRecord]) -> tuple[slice, ...]:
     """The draws that go through a tracker at once; without a truth, all."""
     draws = next((record.z.shape[2] for record in records.values()), 0)
-    return tuple(chunks(draws)) if flight.known and draws else (slice(0, draws),)
+    if not flight.known or draws <= MANY:
+        return (slice(0, draws),)
+    return tuple(chunks(draws, PART))
 
 
 def _arrived(watch: Watch, sensors: tuple[str, ...], chosen: slice) -> Measurements:

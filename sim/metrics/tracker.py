@@ -28,9 +28,15 @@ class TrackerErrors(NamedTuple):
 
 def plot_errors(flight: Flight, sensors: dict[str, Any], chart: Charted, record: Measurements) -> dict[str, Compared]:
     """Errors of measurements in order of arrival; a plot is compared with the truth at the time it was taken."""
-    order = np.argsort(record.arrival, kind="stable")
+    order: Any = np.argsort(record.arrival, kind="stable")
+    order = slice(None) if (np.diff(order) == 1).all() else order  # the usual case: no copy
     taken = truth_at(flight, record.time[order])
     return comparison.raw(flight, taken, record.channels, record.z[order], sensors, chart)
+
+
+def looked_for(errors: dict[str, Compared], plots: dict[str, Compared]) -> dict[str, Compared]:
+    """The errors of measurements with which those of estimates are compared, and those that say a place."""
+    return {channel: plot for channel, plot in plots.items() if channel in errors or comparison.says_place(channel)}
 
 
 def tracker_errors(flight: Flight, sensors: dict[str, Any], track: Track, plots: dict[str, Compared]) -> TrackerErrors:

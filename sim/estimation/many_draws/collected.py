@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.estimation.many_draws.filed_array import FiledArray
 from sim.metrics.comparison import Compared
+from sim.metrics.contrasts.squares import Squares
 from tracking.track import Track
 
 PER_DRAW = ("mean", "cov", "white", "nis", "log_likelihood", "model_probabilities", "skipped")
@@ -59,10 +60,18 @@ class CollectedTrack:
         return self._first._replace(**filed)
 
 
+def filed(tables: dict[str, Any]) -> dict[str, Any]:
+    """Tables of squared errors, by whatever names, with their values in files."""
+    return {
+        name: one._replace(values=FiledArray(one.values)) if isinstance(one, Squares) else filed(one)
+        for name, one in tables.items()
+    }
+
+
 def joined_errors(parts: Sequence[dict[str, Compared]]) -> dict[str, Compared]:
     """Errors of all draws from those of their parts, which are given up."""
-    if len(parts) == 1:
-        return parts[0]
+    if len(parts) < 2:
+        return parts[0] if parts else {}
     found = {}
     for channel in [*parts[0]]:
         own = [part.pop(channel) for part in parts]

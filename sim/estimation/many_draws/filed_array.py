@@ -74,4 +74,5 @@ class FiledArray:
 
 
 def _refused(error: OSError) -> str:
-    return f"{tempfile.gettempdir()}: so many draws need room in this folder: {error.strerror or error}; TMPDIR names another"
+    why = error.strerror or error
+    return f"{tempfile.gettempdir()}: so many draws need room in this folder: {why}; TMPDIR names another"

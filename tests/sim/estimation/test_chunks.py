@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from sim.estimation import tracking_run
+from sim.estimation.many_draws.filed_array import FiledArray
 from sim.experiment import fly
 from sim.flight.preparation import prepare
 from sim.observation.record import observe
 from sim.scenario.reading import read
 from tests.capture import CAPTURE
-from tracking.track import chunks
 
 DRAWS = 96  # more than look ahead
 TRACKERS = {
@@ -52,10 +52,10 @@ def whole(flown):
 
 @pytest.mark.parametrize("size", [32, 64])
 def test_parts_leave_the_same_bytes(flown, whole, monkeypatch, size):
-    seen = []
-    monkeypatch.setattr(tracking_run, "chunks", lambda runs: seen.append(runs) or chunks(runs, size))
+    monkeypatch.setattr(tracking_run, "MANY", size)
+    monkeypatch.setattr(tracking_run, "PART", size)
     tracks, figures = tracking_run.track(*flown, {})
-    assert seen == [DRAWS]
+    assert all(isinstance(one.track.mean, FiledArray) for one in tracks.values())
     assert figures == whole[1]
     for name in TRACKERS:
         part, alone = tracks[name].track._asdict(), whole[0][name].track._asdict()
