@@ -20,7 +20,7 @@ from sim.estimation.navigation_errors import erring_navigator
 from sim.estimation.navigator import navigator
 from sim.estimation.own_trackers import OwnTrackers, check_own, packed, unpacked
 from sim.estimation.setup import check, height_profile
-from sim.estimation.tracking_run import MANY, Tracked, track
+from sim.estimation.tracking_run import TOGETHER, Tracked, track
 from sim.files import claim, plain, refuse_foreign, staged, write_json
 from sim.flight import loop as flights
 from sim.flight.departures import with_departure_events
@@ -395,7 +395,7 @@ def run_to_folder(
     name = scenario.name if flight is None else f"{scenario.name}_flight_{flight}"
     folder = out if out is not None else Path("out") / name
     refuse_foreign(folder, "run")
-    shared = len(scenario.trackers) >= FEW and scenario.draws <= MANY
+    shared = len(scenario.trackers) >= FEW and scenario.draws <= TOGETHER
     with helper(shared, functools.partial(_get_ready, scenario.parts)):
         result = run(scenario, flight=flight, workers=workers, progress=progress, remark=remark)
         report(result, folder, started)

@@ -229,7 +229,7 @@ def write_npz(path: Path, arrays: Mapping[str, Any] | Iterable[tuple[str, Any]])
     """
     with path.open("wb") as file, zipfile.ZipFile(file, "w") as archive:
         for name, array in arrays.items() if isinstance(arrays, Mapping) else arrays:
-            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+            with archive.open(f"{name}.npy", mode="w", force_zip64=True) as member:
                 np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
 
 

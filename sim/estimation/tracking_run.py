@@ -38,7 +38,7 @@ from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.track import Measurements, Track, TrackerError, believed, chunks, follow, modes_of, stepped
 from tracking.track import track as run_tracker
 
-MANY, PART = 1024, 512  # more draws than MANY go through a tracker in parts of PART
+TOGETHER = 512  # draws at once: more go through a tracker in parts
 
 
 class Tracked(NamedTuple):
@@ -366,9 +366,7 @@ def _size(group: list[Entry]) -> int:
 def _parts(flight: Flight, records: dict[str, SensorRecord]) -> tuple[slice, ...]:
     """The draws that go through a tracker at once; without a truth, all."""
     draws = next((record.z.shape[2] for record in records.values()), 0)
-    if not flight.known or draws <= MANY:
-        return (slice(0, draws),)
-    return tuple(chunks(draws, PART))
+    return tuple(chunks(draws, TOGETHER)) if flight.known and draws else (slice(0, draws),)
 
 
 def _arrived(watch: Watch, sensors: tuple[str, ...], chosen: slice) -> Measurements:

@@ -52,8 +52,7 @@ def whole(flown):
 
 @pytest.mark.parametrize("size", [32, 64])
 def test_parts_leave_the_same_bytes(flown, whole, monkeypatch, size):
-    monkeypatch.setattr(tracking_run, "MANY", size)
-    monkeypatch.setattr(tracking_run, "PART", size)
+    monkeypatch.setattr(tracking_run, "TOGETHER", size)
     tracks, figures = tracking_run.track(*flown, {})
     assert all(isinstance(one.track.mean, FiledArray) for one in tracks.values())
     assert figures == whole[1]
