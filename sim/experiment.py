@@ -20,7 +20,7 @@ from sim.estimation.navigation_errors import erring_navigator
 from sim.estimation.navigator import navigator
 from sim.estimation.own_trackers import OwnTrackers, check_own, packed, unpacked
 from sim.estimation.setup import check, height_profile
-from sim.estimation.tracking_run import TOGETHER, Tracked, track
+from sim.estimation.tracking_run import Tracked, track
 from sim.files import claim, plain, refuse_foreign, staged, write_json
 from sim.flight import loop as flights
 from sim.flight.departures import with_departure_events
@@ -42,7 +42,7 @@ from sim.results.result import Result, timed
 from sim.results.saving import TIMING, write_files
 from sim.scenario import reading
 from sim.scenario.axes import samples
-from sim.scenario.budget import refuse_too_much, refuse_workers
+from sim.scenario.budget import TOGETHER, refuse_too_much, refuse_workers
 from sim.scenario.model import Scenario
 from sim.scenario.plugins import Catalogue, Part, Plugins, catalogue_with, digests, load_parts, said
 from sim.scenario.reading import Source

@@ -32,13 +32,12 @@ from sim.metrics.error_curves import ErrorCurves, curves_without_truth, error_cu
 from sim.metrics.tracker import TrackerErrors, looked_for, plot_errors, skipped, tracker_errors, tracker_metrics
 from sim.observation.record import SensorRecord, measurements, of_draws
 from sim.observation.sensor import quantity_of
+from sim.scenario.budget import TOGETHER
 from sim.workers.sharing import ALONE, current
 from tracking.conformance import CONFORMANCE
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.track import Measurements, Track, TrackerError, believed, chunks, follow, modes_of, stepped
 from tracking.track import track as run_tracker
-
-TOGETHER = 512  # draws at once: more go through a tracker in parts
 
 
 class Tracked(NamedTuple):

@@ -10,7 +10,9 @@ from sim.scenario.model import Scenario
 USUAL_FLIGHT = 600.0  # s, where the scenario does not say until when
 MOST_FLIGHTS = 10_000  # of one run, which starts anew when it is stopped
 WORKER_SIZE = 350 << 20  # bytes of one worker, measured below this
+TOGETHER = 512  # draws that go through a tracker at once
 LOOK = 200  # bytes of one look in one draw of one tracker, at least: measurement, estimate, innovation
+RECORDED, JUDGED = 60, 250  # bytes of one look in one draw that stay: of a sensor, and of the tracker that is judged
 
 
 def refuse_too_much(scenario: Scenario) -> None:
@@ -23,7 +25,9 @@ def refuse_too_much(scenario: Scenario) -> None:
     seconds = scenario.until or USUAL_FLIGHT
     looks = {name: seconds / sensor.period for name, sensor in scenario.sensors.items()}
     each = sum(looks.values()) + sum(looks[name] for one in scenario.trackers.values() for name in one.sensors)
-    free, needed = available_memory(), scenario.draws * each * LOOK
+    judged = max((sum(looks[name] for name in one.sensors) for one in scenario.trackers.values()), default=0.0)
+    together = min(scenario.draws, TOGETHER) * each * LOOK
+    free, needed = available_memory(), together + scenario.draws * (sum(looks.values()) * RECORDED + judged * JUDGED)
     if free is not None and needed > free:
         raise ScenarioError(
             f"{scenario.name}: draws: {scenario.draws} need about {needed / 1e9:.1f} GB of memory and "
