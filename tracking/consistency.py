@@ -50,11 +50,16 @@ def lost(nees: Array, degrees: int) -> Array:
     nees : (k, *B), of the position.
     degrees : components of the position.
     """
-    outside, ever = np.zeros(np.shape(nees)[1:], dtype=int), ~np.isfinite(nees).all(axis=0)
-    for epoch in nees:
+    return lost_by(nees, degrees)[-1] if len(nees) else np.zeros(np.shape(nees)[1:], dtype=bool)
+
+
+def lost_by(nees: Array, degrees: int) -> Array:
+    """Whether each run has been `lost` up to each epoch (k, *B)."""
+    outside, ever = np.zeros(np.shape(nees)[1:], dtype=int), ~np.isfinite(nees)
+    for row, epoch in enumerate(nees):
         outside = _outside(outside, epoch, degrees)
-        ever |= outside >= LOST_EPOCHS
-    return ever
+        ever[row] |= outside >= LOST_EPOCHS
+    return np.logical_or.accumulate(ever, axis=0)
 
 
 def _outside(before: Array, nees: Array, degrees: int) -> Array:

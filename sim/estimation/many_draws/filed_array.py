@@ -68,6 +68,10 @@ class FiledArray:
     def __getitem__(self, index: Any) -> Any:
         return np.array(np.asarray(self)[index])
 
+    def __reduce__(self) -> Any:
+        """A copy, and what goes to another process, is a plain array."""
+        return np.array, (np.asarray(self),)
+
     def astype(self, dtype: Any) -> np.ndarray:
         """A copy of another type."""
         return np.asarray(self).astype(dtype)

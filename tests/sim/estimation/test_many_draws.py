@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import pickle
 import tempfile
 
 import numpy as np
@@ -47,6 +48,9 @@ def test_an_array_in_a_file_is_the_array(rng):
     np.testing.assert_array_equal(found[1:, 0, 2:7], whole[1:, 0, 2:7])
     np.testing.assert_array_equal(np.isfinite(found).sum(axis=1), np.isfinite(whole).sum(axis=1))
     assert found.astype(np.float32).dtype == np.float32
+    copy = pickle.loads(pickle.dumps(found))
+    assert type(copy) is np.ndarray
+    np.testing.assert_array_equal(copy, whole)
     with pytest.raises(ValueError, match="does not continue"):
         found.add(whole[:2])
 
