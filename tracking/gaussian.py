@@ -99,8 +99,8 @@ def update(gaussian: Gaussian, z: Array, H: Array, R: Array) -> tuple[Gaussian, 
     if absent is not None:
         H, R, residual = _without(absent, H, R, residual)
     P, H, R = _aligned(gaussian.cov, H, R)
-    cross = _product(H, P)  # H P (m, n, *C)
-    posterior, innovation = _condition(Gaussian(gaussian.mean, P), residual, _innovation_cov(cross, H, R), cross)
+    rows, other = _rows(P, H, R, residual)
+    posterior, innovation = _condition(Gaussian(gaussian.mean, P), rows, other)
     if absent is None:
         return posterior, innovation
     return posterior, _present(innovation, absent)
@@ -138,9 +138,12 @@ def interact(mixture: Mixture, switching: Array) -> Mixture:
     # moments, so that these sums are matrix products; of symmetric matrices one triangle is mixed.
     centre = means[:, :1]
     deviation = means - centre
-    second = _plus(deviation.take(row, 0) * deviation.take(column, 0), covs.reshape(-1, *covs.shape[2:]).take(upper, 0))
-    mixed = _switched(switching, weights * deviation) * scale
-    second = _switched(switching, weights * second) * scale
+    second = deviation.take(row, 0)
+    second *= deviation.take(column, 0)
+    second = _plus(second, covs.reshape(-1, *covs.shape[2:]).take(upper, 0))
+    mixed = _switched(switching, _times(deviation, weights)) * scale
+    second = _switched(switching, _times(second, weights))
+    second *= scale
     second -= mixed.take(row, 0) * mixed.take(column, 0)
     mean, cov = centre + mixed, second.take(whole, 0)
     if certain is None:
@@ -203,10 +206,9 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
     residual = z - _apply(H, mixture.mean)
     if absent is not None:
         H, R, residual = _without(absent, H, R, residual)
-    cross = _product(H, mixture.cov)
-    S = _innovation_cov(cross, H, lift(R, 2, batch + 1))
-    matched = merge(Mixture(mixture.weights, residual, S))
-    conditioned, each = _condition(Gaussian(mixture.mean, mixture.cov), residual, S, cross)
+    rows, other = _rows(mixture.cov, H, lift(R, 2, batch + 1), residual)
+    matched = merge(Mixture(mixture.weights, residual, rows[:, : len(rows)]))
+    conditioned, each = _condition(Gaussian(mixture.mean, mixture.cov), rows, other)
     weights, log_likelihood = reweigh(mixture.weights, each.log_likelihood)
     white = whitened(matched.cov, matched.mean)
     innovation = Innovation(white, np.add.reduce(white * white), log_likelihood)
@@ -226,30 +228,42 @@ def whitened(cov: Array, error: Array) -> Array:
     return rows[:, -1]
 
 
-def _innovation_cov(cross: Array, H: Array, R: Array) -> Array:
-    """``H P H' + R`` of cross = H P."""
-    return _plus(_product(H, cross.swapaxes(0, 1)), R)
+def _rows(P: Array, H: Array, R: Array, residual: Array) -> tuple[Array, Array | None]:
+    """The rows (S, H P, z - H x) with S = H P H' + R, (m, m + n + 1, *B).
+
+    Where one covariance serves runs with residuals of their own (m, *B), these stand beside the rows and not in them.
+    """
+    m, n = H.shape[:2]
+    batch = residual.shape[1:]
+    if P.shape[2:] != batch or not _covers(residual, R[0]):
+        cross = _product(H, P)
+        S = _plus(_product(H, cross.swapaxes(0, 1)), R)
+        if S.shape[2:] != batch:
+            shape = (m, *np.broadcast_shapes(batch, S.shape[2:]))
+            return _beside(S.shape[2:], S, cross), np.array(np.broadcast_to(residual, shape))
+        return _beside(batch, S, cross, residual[:, None]), None
+    rows = np.empty((m, m + n + 1, *batch))
+    S, cross, rows[:, -1] = rows[:, :m], rows[:, m:-1], residual
+    _product(H, P, out=cross)
+    _product(H, cross.swapaxes(0, 1), out=S)
+    S += R
+    return rows, None
 
 
-def _condition(prior: Gaussian, residual: Array, S: Array, cross: Array) -> tuple[Gaussian, Innovation]:
-    """``x + W white``, ``P - W W'`` with ``W' = L^-1 H P``, ``L L' = S``; residual = z - H x, cross = H P (m, n, *C).
+def _condition(prior: Gaussian, rows: Array, other: Array | None) -> tuple[Gaussian, Innovation]:
+    """``x + W white``, ``P - W W'`` with ``W' = L^-1 H P``, ``L L' = S``, from the `_rows`, which it changes.
 
-    One elimination turns the rows (S, z - H x, H P) into (L', white, W'), where all have the same runs.
+    One elimination turns (S, H P, z - H x) into (L', W', white).
     """
     mean, cov = prior
-    m, n, batch = len(S), len(mean), S.shape[2:]
-    if residual.shape[1:] == batch:
-        rows = _beside(batch, S, residual[:, None], cross)
-        volume, white = _eliminate(rows), rows[:, m]
-    else:  # one covariance for all runs, or one prediction
-        rows = _beside(batch, S, cross)
-        white = np.array(np.broadcast_to(residual, (m, *np.broadcast_shapes(residual.shape[1:], batch))))
-        volume = _eliminate(rows, white)
+    m, n, batch = len(rows), len(mean), rows.shape[2:]
+    volume, white = _eliminate(rows, other), rows[:, -1] if other is None else other
     nis = np.add.reduce(white * white)
     log_likelihood = -0.5 * nis - np.log(volume)
     log_likelihood -= 0.5 * m * LOG_TWO_PI
-    W = rows[:, -n:].swapaxes(0, 1)
-    reduced = np.subtract(cov, _product(W, W.swapaxes(0, 1)), out=np.empty((n, n, *batch)))
+    W = rows[:, m : m + n].swapaxes(0, 1)
+    reduced = _product(W, W.swapaxes(0, 1), out=np.empty((n, n, *batch)))
+    np.subtract(cov, reduced, out=reduced)
     variances = reduced.reshape(n * n, *batch)[:: n + 1]  # a view of the diagonal
     np.maximum(variances, 0.0, out=variances)  # after an exact measurement they are zero up to rounding
     return Gaussian(mean + _apply(W, white), reduced), Innovation(white, nis, log_likelihood)
@@ -351,10 +365,10 @@ def _mirror(cov: Array) -> Array:
 def _covers(large: Array, small: Array) -> bool:
     """Whether ``small`` broadcasts into the shape of ``large``."""
     into, shape = large.shape, small.shape
-    if into == shape:
-        return True
-    tail = into[len(into) - len(shape) :]
-    return len(shape) <= len(into) and all(size in (1, whole) for size, whole in zip(shape, tail, strict=True))
+    tail = into[max(len(into) - len(shape), 0) :]
+    return tail == shape or (
+        len(shape) <= len(into) and all(size in (1, whole) for size, whole in zip(shape, tail, strict=True))
+    )
 
 
 def _plus(fresh: Array, other: Array) -> Array:
@@ -363,6 +377,14 @@ def _plus(fresh: Array, other: Array) -> Array:
         fresh += other
         return fresh
     return fresh + other
+
+
+def _times(fresh: Array, other: Array) -> Array:
+    """Product, in place where it fits."""
+    if _covers(fresh, other):
+        fresh *= other
+        return fresh
+    return fresh * other
 
 
 def _aligned(P: Array, A: Array, R: Array) -> tuple[Array, Array, Array]:
@@ -391,21 +413,22 @@ def _apply(A: Array, x: Array) -> Array:
     return np.einsum("ij...,j...->i...", A, x)
 
 
-def _product(A: Array, X: Array) -> Array:
+def _product(A: Array, X: Array, out: Array | None = None) -> Array:
     """``A X`` for A (p, n, *C) and X (n, k, *C)."""
     if A.shape[1] == 1 and A.ndim == X.ndim:
-        return A * X
+        return np.multiply(A, X, out=out)
     if A.ndim == 2 or (A.shape[-1] == 1 and A.ndim == X.ndim):
-        return _blas(A, X)
+        return _blas(A, X, out)
     if A.ndim == 3 and A.shape[2:] == X.shape[2:] and A.shape[2] < FEW:
-        return (A.transpose(2, 0, 1) @ X.transpose(2, 0, 1)).transpose(1, 2, 0)
-    return np.einsum("ij...,jk...->ik...", A, X)
+        into = None if out is None else out.transpose(2, 0, 1)
+        return np.matmul(A.transpose(2, 0, 1), X.transpose(2, 0, 1), out=into).transpose(1, 2, 0)
+    return np.einsum("ij...,jk...->ik...", A, X, out=out)
 
 
 _RUNS_LAST = tuple((*range(1, axes - 1), 0, axes - 1) for axes in range(2, 9))
 
 
-def _blas(A: Array, X: Array) -> Array:
+def _blas(A: Array, X: Array, out: Array | None = None) -> Array:
     """The same for a matrix A that all runs (the last axis) share: one BLAS call per column and hypothesis."""
     if A.ndim > 2:
         A = A[..., 0].transpose(*range(2, A.ndim - 1), 0, 1)
@@ -415,6 +438,6 @@ def _blas(A: Array, X: Array) -> Array:
     if hypotheses and X.shape[-2] < hypotheses[0]:  # one X for all of them
         X = np.broadcast_to(X, (*X.shape[:-2], *hypotheses, X.shape[-1]))
     order = _RUNS_LAST[X.ndim - 2]
-    product = np.empty((A.shape[-2], *X.shape[1:]))
+    product = np.empty((A.shape[-2], *X.shape[1:])) if out is None else out
     np.matmul(A, X.transpose(order), out=product.transpose(order))
     return product
