@@ -63,3 +63,13 @@ def test_parts_leave_the_same_bytes(flown, whole, monkeypatch, size):
         assert part.pop("channels") == alone.pop("channels")
         for field, values in part.items():
             np.testing.assert_array_equal(np.asarray(values), alone[field])
+
+
+def test_a_last_part_of_one_draw_is_that_draw(flown, whole, monkeypatch):
+    """An array of one run looks like one that all runs share; vectors are not whole here, so digits may differ."""
+    monkeypatch.setattr(tracking_run, "TOGETHER", DRAWS - 1)
+    tracks, _ = tracking_run.track(*flown, {})
+    for name in TRACKERS:
+        part, alone = tracks[name].track, whole[0][name].track
+        np.testing.assert_allclose(np.asarray(part.mean), alone.mean, rtol=1e-9, atol=1e-6)
+        np.testing.assert_allclose(np.asarray(part.cov), alone.cov, rtol=1e-5, atol=1e-9)  # single precision
