@@ -92,11 +92,12 @@ Data
     - ``white`` (k, m, draws) - residuals of unit variance; ``nis``, ``log_likelihood`` (k, draws)
     - ``model_probabilities`` (k, M, draws) of M models, or None
     - ``skipped`` (k, draws) looks of which something could not be used, None = all were
+    - of more than 512 draws these arrays lie in files: ``np.asarray`` or an index reads them
 - `Tracked` - one tracker, its record and what that had wrong (sim.estimation.tracking_run)
     - ``tracker``, as it was set up; ``law_from`` - origin of the law it assumes, None = none known; ``measurements``
-      that it was given; ``track``; ``curves`` - its errors over time, for figures (sim.metrics.error_curves);
-      ``rollout`` - its Track after the landing, or None; ``squares`` - its squared errors by time where the scenario
-      contrasts it (sim.metrics.contrasts), or None
+      that it was given (of more than 512 draws, in the first of them); ``track``; ``curves`` - its errors over time,
+      for figures (sim.metrics.error_curves); ``rollout`` - its Track after the landing, or None; ``squares`` - its
+      squared errors by time where the scenario contrasts it (sim.metrics.contrasts), or None
 - `LawFit` - the route law that comes nearest to a capture (autopilot.identification)
     - ``k1`` rad/m, ``k2`` rad/(m/s), ``cross_track_limit`` m, ``bank_limit`` rad, and ``lag`` s of the bank: each with
       its value, its standard error sigma, and met = False for a limit that never acted and is no less than the value
