@@ -49,7 +49,7 @@ Data
     - ``sensors``, ``trackers`` - by name; ``departures`` from the law, ``sensor_faults``; ``contrasts`` of trackers;
       ``checks``; ``study``; ``navigation_errors`` of the autopilot, or None
     - ``tables`` - the resolved file itself, in its own spelling
-- `Prepared` - all that one flight needs, built once (sim.flight.preparation)
+- `Prepared` - all that one flight needs, built once (sim.flight.preparing.prepared)
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state
     - ``limits`` that end a flight; ``gains``, their design and what it was made for; ``designed``, the gains
       that fly; ``rate`` Hz of the equations of motion; ``warnings``, sentences; ``stall_speed`` m/s equivalent of
@@ -198,7 +198,8 @@ _HOMES = {
     "sim.estimation.own_trackers": ("OwnTracker", "tracker"),
     "sim.estimation.tracking_run": ("Tracked", "track"),
     "sim.experiment": ("fly", "read", "report", "run"),
-    "sim.flight.preparation": ("Prepared", "prepare"),
+    "sim.flight.preparation": ("prepare",),
+    "sim.flight.preparing.prepared": ("Prepared",),
     "sim.flight.record": ("Flight",),
     "sim.flight.recording.flights": ("recorded",),
     "sim.observation.record": ("SensorRecord", "observe"),
