@@ -6,13 +6,13 @@ import ast
 import itertools
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from sim.interchange.jsbsim_system.operators import arithmetic, compared, kind_of, truth
 from sim.interchange.jsbsim_system.terms import LARGEST, Refused, Term, Terms
-from sim.interchange.jsbsim_system.values import merge
+from sim.interchange.jsbsim_system.values import Guarded, merge
 
 BLIND = (zip, enumerate, reversed, itertools.pairwise, tuple, list, len, itertools.chain)  # look at no element
 SAME = {  # name in JSBSim of a function of one or two numbers
@@ -28,12 +28,6 @@ SAME = {  # name in JSBSim of a function of one or two numbers
     math.fabs: "abs",
     math.pow: "pow",
 }
-
-
-class Guarded(NamedTuple):
-    """What a generator would give: each value with the truth by which it is given."""
-
-    values: tuple[tuple[Any, Any], ...]
 
 
 def _hypot(terms: Terms, *parts: Any) -> Any:

@@ -17,9 +17,9 @@ from types import FunctionType, MethodType
 from typing import Any, NamedTuple
 
 from sim.interchange.jsbsim_system import operators
-from sim.interchange.jsbsim_system.functions import BLIND, KNOWN, SAME, Guarded
+from sim.interchange.jsbsim_system.functions import BLIND, KNOWN, SAME
 from sim.interchange.jsbsim_system.terms import Refused, Term, Terms
-from sim.interchange.jsbsim_system.values import UNSET, Alternative, each, is_open, merge, parts
+from sim.interchange.jsbsim_system.values import UNSET, Alternative, Guarded, each, is_open, merge, parts
 
 DEEPEST = 40  # calls within calls
 
@@ -63,12 +63,10 @@ class Translation:
         """What a function gives for arguments that may hold terms; raises ``Refused`` with the line in question."""
         if isinstance(function, Alternative):
             return each(self.terms, function, lambda one: self.call(one, *arguments, depth=depth, **named))
+        if function is next:  # of a comprehension, which is no iterator here
+            return KNOWN[next](self.terms, *arguments)
         owner = getattr(function, "__self__", None)
-        if not any(map(is_open, (*arguments, *named.values(), owner))) and not any(
-            isinstance(one, Guarded) for one in arguments
-        ):
-            return function(*arguments, **named)
-        if function in BLIND:
+        if function in BLIND or not any(map(is_open, (*arguments, *named.values(), owner))):
             return function(*arguments, **named)
         if function in SAME:
             return self.terms.apply(SAME[function], *arguments, **named)

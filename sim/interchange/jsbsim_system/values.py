@@ -19,9 +19,15 @@ class Alternative(NamedTuple):
     otherwise: Any
 
 
+class Guarded(NamedTuple):
+    """What a comprehension would give: each value with the truth by which it is given."""
+
+    values: tuple[tuple[Any, Any], ...]
+
+
 def is_open(value: Any) -> bool:
     """Whether something in it is known in flight only."""
-    if isinstance(value, Term | Alternative):
+    if isinstance(value, Term | Alternative | Guarded):
         return True
     return isinstance(value, tuple | list) and any(map(is_open, value))
 
