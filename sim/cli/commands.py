@@ -479,7 +479,7 @@ def identify(
 
 @app.command()
 def export(
-    folder: Annotated[Path, typer.Argument(help="A run folder or a study folder.")],
+    folder: Annotated[Path, typer.Argument(help="A run folder or a study folder; with --jsbsim a scenario.")],
     csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
     parquet: Annotated[bool, typer.Option("--parquet", help="Parquet, for large records.")] = False,
     tracks: Annotated[
@@ -494,12 +494,24 @@ def export(
     workers: Annotated[
         int, typer.Option("-j", "--workers", min=1, help="With --tracks: processes that fly flights again.")
     ] = 1,
+    jsbsim: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="A scenario as a root of JSBSim, which flies it alone.")
+    ] = None,
+    sets: Sets = None,
     plugins: Plugins = None,
 ) -> None:
-    """Write the records of a run, or the flights of a study, for other programs."""
+    """Write the records of a run, or the flights of a study, for other programs; or a scenario for JSBSim alone."""
     from sim.cli.export import export as write
-    from sim.cli.export import export_tracks
+    from sim.cli.export import export_jsbsim, export_tracks
 
+    if jsbsim is not None:
+        if csv or parquet or tracks or out is not None or date is not None or workers > 1:
+            raise OutputError("--jsbsim DIR goes alone, with a scenario, --set and --plugin")
+        for line in export_jsbsim(str(folder), jsbsim, _overrides(sets), plugins or ()):
+            typer.echo(printable(line))
+        return
+    if sets:
+        raise OutputError("--set goes with --jsbsim: what was run keeps its values")
     kinds = [name for name, asked in (("csv", csv), ("parquet", parquet)) if asked]
     if tracks:
         if kinds:
@@ -516,7 +528,7 @@ def export(
     if out is not None or date is not None or workers > 1:
         raise OutputError("-o, --date and -j go with --tracks")
     if not kinds:
-        raise OutputError("say what: --csv, --parquet or --tracks")
+        raise OutputError("say what: --csv, --parquet, --tracks or --jsbsim")
     for kind in kinds:
         for path in write(folder, kind):
             typer.echo(f"wrote {path}")

@@ -8,7 +8,6 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
 
-from aircraft import model_files
 from aircraft.executive import PLANET
 from sim.errors import OutputError, ScenarioError
 from sim.files import claim, only_writer, refuse_foreign, unstopped

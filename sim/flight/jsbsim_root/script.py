@@ -74,15 +74,16 @@ def script(
     engines = list(ENGINES) if has(ENGINES[0][0]) else []
     _event(run, "settle", [f"{TIME} le 0"], [*frozen, *engines, *blowing, *levers])
     wrong = [f"simulation/dt {than} {written(share / rate)}" for than, share in (("lt", 0.999), ("gt", 1.001))]
-    told = _event(run, f"the step must be 1/{rate:g} s: say --simulation-rate={rate:g}", wrong, [(TERMINATE, 1.0)], "OR")
-    _notify(told, "simulation/dt")
-    _event(run, "fly", [f"{TIME} ge {written(0.5 / rate)}"], [(integrator, float(of)) for integrator, of in INTEGRATORS])
-    figures = [f"{TOUCHDOWN}/{figure}" for figure in ("time-s", "past-threshold-m", "right-of-centreline-m", "sink-mps")]
+    stop = [(TERMINATE, 1.0)]
+    _notify(_event(run, f"the step must be 1/{rate:g} s", wrong, stop, "OR"), "simulation/dt")
+    methods = [(integrator, float(method)) for integrator, method in INTEGRATORS]
+    _event(run, "fly", [f"{TIME} ge {written(0.5 / rate)}"], methods)
+    figures = [f"{TOUCHDOWN}/{name}" for name in ("time-s", "past-threshold-m", "right-of-centreline-m", "sink-mps")]
     _notify(_event(run, "touchdown", [f"{FLYING} gt 0", f"{WHEELS} gt 0"], []), *figures)
-    _notify(_event(run, "landed", [f"{WHEELS} ge 1"], [(TERMINATE, 1.0)]), TIME)
-    _notify(_event(run, "the autopilot is at its end", [f"{REMEMBERED}/pilot/finished gt 0"], [(TERMINATE, 1.0)]), TIME)
+    _notify(_event(run, "landed", [f"{WHEELS} ge 1"], stop), TIME)
+    _notify(_event(run, "the autopilot is at its end", [f"{REMEMBERED}/pilot/finished gt 0"], stop), TIME)
     sunk = [f"{FLYING} gt 0", f"{KEPT}/height lt {written((SUNK + start.elevation) / properties.FOOT)}"]
-    _notify(_event(run, "below the ground", sunk, [(TERMINATE, 1.0)]), TIME)
+    _notify(_event(run, "below the ground", sunk, stop), TIME)
     output = ElementTree.SubElement(root, "output", {"name": f"{name}.csv", "type": "CSV", "rate": "30"})
     for recorded in RECORDED:
         ElementTree.SubElement(output, "property").text = recorded

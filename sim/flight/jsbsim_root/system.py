@@ -21,12 +21,17 @@ from sim.interchange.jsbsim_system.translation import translated
 from sim.interchange.jsbsim_system.values import leaves, rebuilt
 
 NAME = "shortfinal"  # of the system, and of all its properties
-FLYING, DUE, WAITS = (f"{NAME}/rhythm/{name}" for name in ("flying", "due", "frames-to-wait"))
+FLYING, DUE, WAITS, CLOCK = (f"{NAME}/rhythm/{name}" for name in ("flying", "due", "frames-to-wait", "clock-s"))
 KEPT, REMEMBERED, ORDERED, TOUCHDOWN, AIR = (
     f"{NAME}/{name}" for name in ("kept", "remembered", "command", "touchdown", "air-seen-from")
 )
 WHEELS = f"{TOUCHDOWN}/main-wheels"
-AIR_DATA = ("airspeed", "equivalent_airspeed", "angle_of_attack", "sideslip")  # worked out behind the systems of a frame
+AIR_DATA = (
+    "airspeed",
+    "equivalent_airspeed",
+    "angle_of_attack",
+    "sideslip",
+)  # worked out behind the systems of a frame
 LATER = AircraftState._fields.index("specific_force_forward")  # of what comes then, the autopilot looks at three fields
 PLACE = ("north", "east", "height")
 
@@ -55,12 +60,15 @@ class System:
         now, orders = translated(terms, crew.step, remembered, self._state())
         for place, number in leaves(s):
             self._declare(f"{REMEMBERED}/{place}", terms.of(number).data)
-        for name in (FLYING, DUE, WAITS, WHEELS, *(f"{KEPT}/{field}" for field in _moving(self.wiring))):
+        for name in (FLYING, DUE, WAITS, CLOCK, WHEELS, *(f"{KEPT}/{field}" for field in _moving(self.wiring))):
             self._declare(name, 0.0)
         waits = terms.property(WAITS)
         flying = terms.apply("ge", terms.property("simulation/sim-time-sec"), 0.5 / self.rate, kind=bool)
         due = terms.all([flying, terms.apply("le", waits, 0.5, kind=bool)])
-        self.root.append(writer.channel("rhythm", [(FLYING, flying), (DUE, due)]))
+        flying.label = "rhythm/since-half-a-frame"
+        clock = terms.property(CLOCK)  # JSBSim's own began before 0, and rounds otherwise
+        clock = terms.choice(flying, terms.apply("sum", clock, 1.0 / self.rate), clock)
+        self.root.append(writer.channel("rhythm", [(FLYING, flying), (DUE, due), (CLOCK, clock)]))
         law = [*self._controls(orders), *self._changes(now, remembered)]
         law += [(f"{ORDERED}/{place}", terms.of(value)) for place, value in leaves(orders.command)]
         law.append((WAITS, terms.apply("product", self.rate, orders.lasts)))
@@ -120,7 +128,9 @@ class System:
         old, new = dict(leaves(before)), dict(leaves(now))
         if old.keys() != new.keys():
             raise Refused("what the autopilot remembers changes its form from step to step")
-        return [(f"{REMEMBERED}/{place}", self.terms.of(value)) for place, value in new.items() if value is not old[place]]
+        return [
+            (f"{REMEMBERED}/{place}", self.terms.of(value)) for place, value in new.items() if value is not old[place]
+        ]
 
     def _kept(self, waits: Term) -> Outputs:
         """The motion, and how long the controls are held, for the next frame."""
@@ -145,14 +155,13 @@ class System:
         )
         here["height"] = self._height(here["height"])
         place = {name: terms.choice(due, here[name], self._declare(f"{AIR}/{name}", 0.0)) for name in PLACE}
-        time = terms.apply("max", terms.property("simulation/sim-time-sec"), 0.0)
-        velocity = translated(terms, wind.velocity, time, tuple(place.values()), airspeed["airspeed"])
+        velocity = translated(terms, wind.velocity, terms.property(CLOCK), tuple(place.values()), airspeed["airspeed"])
         outputs = [(f"{AIR}/{name}", place[name]) for name in PLACE]
         blowing = zip(properties.WIND, velocity, strict=True)
         return outputs + [(of.name, terms.apply("quotient", terms.of(speed), of.factor)) for of, speed in blowing]
 
     def _touchdown(self) -> Outputs:
-        """Where and how the first main wheel met the ground; of the frame before, whose motion it did not act on yet."""
+        """Where and how the first main wheel met the ground; of the frame before, on which it did not act yet."""
         terms, names = self.terms, dict(zip(AircraftState._fields, self.wiring.state, strict=False))
         before = terms.apply("gt", terms.property(WHEELS), 0.0, kind=bool)
         kept = {name: self._in_si(terms.property(f"{KEPT}/{name}"), names[name].factor) for name in names}
@@ -173,4 +182,4 @@ class System:
 def _moving(wiring: Wiring) -> dict[str, str]:
     """Fields that JSBSim has moved on before its systems run, with their properties."""
     pairs = zip(AircraftState._fields[:LATER], wiring.state, strict=True)
-    return {name: of.name for name, of in pairs if name not in AIR_DATA}
+    return {name: of.name for name, of in pairs if name not in AIR_DATA} | {"time": CLOCK}

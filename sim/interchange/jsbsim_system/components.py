@@ -26,7 +26,7 @@ class Written:
         outputs = list(outputs)
         channel = Element("channel", {"name": name} | ({"execute": execute} if execute else {}))
         for term in self._needed([term for _, term in outputs], {target for target, _ in outputs}):
-            label = self._free(term.label or f"of-{term.number}")
+            label = self._free(term.label or term.place)
             channel.append(_component(label, self._expression(term)))
             self._property[term.number] = label
         for target, term in outputs:
@@ -51,7 +51,9 @@ class Written:
                 waiting += term.arguments
         reads: set[int] = set()
         for number, term in sorted(found.items()):
-            if (term.operation == PROPERTY and term.data in targets) or any(one.number in reads for one in term.arguments):
+            if (term.operation == PROPERTY and term.data in targets) or any(
+                one.number in reads for one in term.arguments
+            ):
                 reads.add(number)
         ends = {term.number for term in wanted} & reads
         return [

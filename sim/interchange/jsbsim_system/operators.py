@@ -45,7 +45,10 @@ def arithmetic(terms: Terms, kind: type, a: Any, b: Any) -> Any:
     if not (isinstance(a, Term) or isinstance(b, Term)):
         if kind in ARITHMETIC:
             return ARITHMETIC[kind][1](a, b)
-        return {ast.Mod: operator.mod, ast.FloorDiv: operator.floordiv}[kind](a, b)
+        other: dict[type, Any] = {ast.Mod: operator.mod, ast.FloorDiv: operator.floordiv}
+        if kind not in other:
+            raise Refused(f"the operator {kind.__name__} is not known here")
+        return other[kind](a, b)
     if str in (kind_of(a), kind_of(b)) or not all(isinstance(one, Term | int | float) for one in (a, b)):
         raise Refused("arithmetic on what is no number")
     if kind is ast.Mod:  # of Python: it has the sign of the divisor
@@ -82,7 +85,9 @@ def compared(terms: Terms, kind: type, a: Any, b: Any) -> Any:
     if kind is ast.In:
         return terms.any([compared(terms, ast.Eq, a, one) for one in b])
     if not (is_open(a) or is_open(b)):
-        return {ast.Is: operator.is_, ast.Eq: operator.eq}[kind](a, b) if kind not in ORDER else ORDER[kind][1](a, b)
+        if kind in ORDER:
+            return ORDER[kind][1](a, b)
+        return a is b if kind is ast.Is else a == b
     if kind is ast.Is and not (kind_of(a) is bool and kind_of(b) is bool):
         if a is None or b is None:
             return False

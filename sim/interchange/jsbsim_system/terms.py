@@ -22,12 +22,13 @@ class Refused(Exception):
 class Term:
     """One operation on terms, a number, or a property; made by the functions below only."""
 
-    __slots__ = ("arguments", "data", "kind", "label", "number", "operation")
+    __slots__ = ("arguments", "data", "kind", "label", "number", "operation", "place")
 
     def __init__(self, operation: str, arguments: tuple[Term, ...], data: Any, kind: type, number: int) -> None:
         self.operation, self.arguments, self.data, self.kind = operation, arguments, data, kind
         self.number = number  # terms rise in the order in which they are made
         self.label: str | None = None  # the name that the source gives it
+        self.place = ""  # where the source has it
 
     def __bool__(self) -> NoReturn:
         """Nobody may take a branch on what is not known yet."""
@@ -44,6 +45,7 @@ class Terms:
 
     def __init__(self) -> None:
         self._known: dict[Any, Term] = {}
+        self.here = "system"  # where in the source one is
         self.texts: list[str] = [""]  # a text that a flight remembers is a number there: its place in this list
 
     def __len__(self) -> int:
@@ -54,6 +56,7 @@ class Terms:
         key = operation, tuple(id(one) for one in arguments), repr(data), kind
         if key not in self._known:
             self._known[key] = Term(operation, arguments, data, kind, len(self._known))
+            self._known[key].place = self.here
         return self._known[key]
 
     def property(self, name: str, kind: type = float) -> Term:
