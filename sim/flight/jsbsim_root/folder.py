@@ -103,7 +103,7 @@ def _root(prepared: Prepared) -> Root:
     start = Start(
         state,
         None if still.is_standard else (still.temperature_shift, still.sea_level_pressure),
-        wind.velocity(0.0, (begins.north, begins.east, begins.height), begins.airspeed),
+        (*wind.velocity(0.0, (begins.north, begins.east, begins.height), begins.airspeed)[:2], 0.0),
         scenario.runway.elevation,
     )
     end = LONGEST_FLIGHT if scenario.until is None else min(scenario.until, LONGEST_FLIGHT)

@@ -157,7 +157,9 @@ class System:
         place = {name: terms.choice(due, here[name], self._declare(f"{AIR}/{name}", 0.0)) for name in PLACE}
         velocity = translated(terms, wind.velocity, terms.property(CLOCK), tuple(place.values()), airspeed["airspeed"])
         outputs = [(f"{AIR}/{name}", place[name]) for name in PLACE]
-        blowing = zip(properties.WIND, velocity, strict=True)
+        soon = terms.apply("ge", terms.property("simulation/sim-time-sec"), -0.5 / self.rate, kind=bool)
+        north, east, up = velocity  # a trim is in horizontal wind; what blows up or down comes with the first step
+        blowing = zip(properties.WIND, (north, east, terms.choice(soon, up, 0.0)), strict=True)
         return outputs + [(of.name, terms.apply("quotient", terms.of(speed), of.factor)) for of, speed in blowing]
 
     def _touchdown(self) -> Outputs:

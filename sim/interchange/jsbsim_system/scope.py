@@ -13,10 +13,6 @@ from sim.interchange.jsbsim_system.terms import Refused, Term, Terms
 from sim.interchange.jsbsim_system.values import UNSET, Alternative, Guarded, parts
 
 
-class Placed(Refused):
-    """A refusal that knows its line."""
-
-
 class Scope:
     """The variables of one call, by name."""
 
@@ -45,11 +41,11 @@ class Scope:
         """The line of a node in its file."""
         return self._first + getattr(node, "lineno", 1) - 1
 
-    def placed(self, error: Refused, node: ast.AST) -> Placed:
+    def placed(self, error: Refused, node: ast.AST) -> Refused:
         """The same refusal with its line; the innermost line stays."""
-        if isinstance(error, Placed):
+        if error.is_placed:
             return error
-        return Placed(f"{self._file}, line {self.line(node)}, in {self.title.replace('/', '.')}: {error}")
+        return Refused(f"{self._file}, line {self.line(node)}, in {self.title.replace('/', '.')}: {error}", True)
 
     def bind(self, target: ast.AST, value: Any) -> None:
         """Give variables their values, and what is worked out for them their names."""

@@ -16,7 +16,11 @@ KINDS = (float, int, bool, str)
 
 
 class Refused(Exception):
-    """Something that cannot be said in JSBSim."""
+    """Something that cannot be said in JSBSim; ``is_placed`` once the sentence has its line."""
+
+    def __init__(self, said: str, is_placed: bool = False) -> None:
+        super().__init__(said)
+        self.is_placed = is_placed
 
 
 class Term:

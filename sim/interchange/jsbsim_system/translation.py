@@ -15,6 +15,8 @@ from collections.abc import Callable
 from types import CodeType, FunctionType, MethodType
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from sim.interchange.jsbsim_system import operators
 from sim.interchange.jsbsim_system.expressions import evaluate, truth
 from sim.interchange.jsbsim_system.functions import BLIND, KNOWN, SAME
@@ -49,7 +51,8 @@ class _Translation:
         if function is next:  # of a comprehension, which is no iterator here
             return KNOWN[next](self.terms, *arguments)
         if function in BLIND or not any(map(is_open, (*arguments, *named.values(), owner))):
-            return function(*arguments, **named)
+            found = function(*arguments, **named)
+            return found.item() if isinstance(found, np.generic) else found
         if function in SAME:
             return self.terms.apply(SAME[function], *arguments, **named)
         if function in KNOWN:
