@@ -5,5 +5,6 @@ the margins of the speeds over the stall, ``gains`` the design of the loops, mad
 joins them with route, law and trim. ``loop`` flies, ``outcomes`` says how it ends, ``record`` is the ``Flight``,
 ``interpolation`` the motion between its instants.
 ``swings`` what theory says of them. The room ``arrivals`` has approaches as they are flown, ``truths`` are flights by
-formula, one file for each path of the papers, ``recording`` makes one of a recorded track.
+formula, one file for each path of the papers, ``recording`` makes one of a recorded track,
+``jsbsim_root`` a scenario that JSBSim flies alone.
 """
