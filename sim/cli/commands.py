@@ -403,13 +403,28 @@ def list_(
 
 @app.command()
 def explain(
-    scenario: Scenario = DEFAULT, sets: Sets = None, plugins: Plugins = None, no_cache: NoCache = False
+    scenario: Scenario = DEFAULT,
+    sets: Sets = None,
+    plugins: Plugins = None,
+    bode: Annotated[
+        Path | None, typer.Option(metavar="FILE.svg", help="Draw gain and phase of the route loop instead.")
+    ] = None,
+    step: Annotated[
+        Path | None, typer.Option(metavar="FILE.svg", help="Draw bank and path after a step instead.")
+    ] = None,
+    no_cache: NoCache = False,
 ) -> None:
     """Show what a scenario resolves to: route, trim, modes, gains, limits, checks."""
+    from sim.cli.explain import draw_loops
     from sim.cli.explain import explain as told
     from sim.experiment import read
 
-    typer.echo(told(read(scenario, _overrides(sets), plugins=plugins or ())))
+    read_ = read(scenario, _overrides(sets), plugins=plugins or ())
+    wanted = {name: path for name, path in (("bode", bode), ("step", step)) if path is not None}
+    for path in draw_loops(read_, wanted):
+        typer.echo(f"wrote {path}")
+    if not wanted:
+        typer.echo(told(read_))
 
 
 @app.command()

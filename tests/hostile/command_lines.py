@@ -202,6 +202,7 @@ LINES = (
     (["schema", "x"], "unexpected extra argument"),
     (["doctor", "x"], "unexpected extra argument"),
     (["explain", "no_such"], "no scenario"),
+    (["explain", "an26_pattern", "--bode", "loop.png"], "name it NAME.svg"),
     (["explain", "short.toml", "--set", "wind=3"], "must be a table"),
     (["export"], "missing argument"),
     (["export", "folder"], "say what: --csv, --parquet, --tracks or --jsbsim"),
