@@ -84,7 +84,7 @@ def opened_system(loop: RouteLoop, law: LateralNavigation) -> Any:
 def closed_system(loop: RouteLoop, law: LateralNavigation) -> Any:
     """The route loop closed inside the limits of the law; its input is the line that is flown, m right of the leg.
 
-    The bank command is k1 (line - z) - k2 z', so that the line is where the aircraft settles [Vasylyev 2003, eq. (4)].
+    The bank command is k1 (line - z) - k2 z', so that the line is where the aircraft settles.
     """
     import control
 
