@@ -62,6 +62,16 @@ class InitialCondition(NamedTuple):
     yaw_rate: float = 0.0
 
 
+class Wiring(NamedTuple):
+    """The properties by which one model shows its motion and takes its controls, beside those of every model."""
+
+    state: tuple[properties.Property, ...]  # fields of AircraftState up to the sideslip
+    flaps: properties.Property
+    main_wheels: tuple[str, ...]  # properties, 1 on the ground
+    throttles: tuple[str, ...]
+    full_flaps: float  # rad at full command; 0 without flaps
+
+
 class Airframe:
     """One aircraft in flight: ``load`` it, ``begin`` it (again and again until it has moved), then ``step`` it."""
 
@@ -80,6 +90,7 @@ class Airframe:
         self.runway = runway
         self.air = air or Air(runway.elevation)
         self.repairs: tuple[str, ...] = ()  # what the model needed to fly here
+        self.source: model_files.Model | None = None  # what JSBSim was given
         self._executive = executive
         self._run = executive.run
         manager = executive.get_property_manager()
@@ -89,6 +100,7 @@ class Airframe:
                 setter(manager, wanted)(value / wanted.factor)
         self._accelerations = [getter(manager, wanted) for wanted in properties.ACCELERATIONS]
         self._mass = getter(manager, properties.MASS)
+        self._points = points
         self._contacts = [(node(manager, point.node).get_double_value, point.part) for point in points]
         self._main_wheels = [weight for weight, part in self._contacts if part == MAIN_WHEEL]
         self._first_contact = self._touched = 0
@@ -128,6 +140,23 @@ class Airframe:
     def has(self, name: str) -> bool:
         """Whether the model has a property of this name."""
         return self._manager.get_node(name, False) is not None
+
+    @property
+    def wiring(self) -> Wiring:
+        """What is read and written of this model."""
+        share = properties.FLAPS_OF_FULL
+        by_share = self._flaps_factor == UNTOLD_FLAPS
+        throttles: list[str] = []
+        while self.has(name := f"{properties.THROTTLE.name}[{len(throttles)}]"):
+            foreign = properties.FOREIGN_THROTTLE.name.format(len(throttles))
+            throttles.append(foreign if self.has(foreign) else name)
+        return Wiring(
+            properties.STATE,
+            share._replace(factor=UNTOLD_FLAPS) if by_share else properties.FLAPS,
+            tuple(point.node for point in self._points if point.part == MAIN_WHEEL),
+            tuple(throttles),
+            self.full_flaps,
+        )
 
     @property
     def wing_area(self) -> float:
@@ -355,6 +384,7 @@ def _built(
                 continue
             if asked and not repaired:
                 raise ModelError(asked)
+            airframe.source = source
             airframe.repairs = tuple(text for text in (*told, repairs.defined(source)) if text)
             return airframe
 

@@ -11,7 +11,7 @@ from aircraft.state import AircraftState, Command
 from autopilot.landing import Landing
 from autopilot.route import PathDeviation, Route, pack
 from autopilot.saturation import rate_limit, saturate
-from autopilot.stabilised_gate import FRESH, GateState
+from autopilot.stabilised_gate import GateState
 
 PHASES = (
     *("intercept", "downwind", "base_turn", "base", "final_turn", "final", "glide", "flare", "ground", "go_around"),
@@ -135,8 +135,8 @@ class Approach:
         deviation = self.deviation(leg, state)
         phase = _phase_of(leg, self.route, LEG_PHASE, DOWNWIND) if _established(deviation) else INTERCEPT
         bank = math.remainder(state.bank, math.tau)
-        crab = deviation.heading_error
-        return ApproachState(phase, leg, bank, state.airspeed, state.height, 0.0, crab, 0.0, FRESH, state.height, "")
+        crab, gate = deviation.heading_error, (self.landing or Landing()).gate.begin()
+        return ApproachState(phase, leg, bank, state.airspeed, state.height, 0.0, crab, 0.0, gate, state.height, "")
 
     def deviation(self, leg: int, state: AircraftState) -> PathDeviation:
         """Deviation of an aircraft from a leg."""

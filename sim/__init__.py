@@ -20,6 +20,7 @@ Verbs, in the order of a run
 - `compare` - two folders or results -> what changed beyond noise or tolerance (sim.studies.comparing.comparison)
 - `study` - a scenario over the axes of its ``[study]`` -> `StudyResult` (sim.studies.studied)
 - `explain` - what a scenario resolves to, as text: route, trim, modes, gains, limits, checks (sim.cli.explain)
+- `linear` - a scenario -> `LinearSystems`: aircraft and loops for python-control (sim.flight.linear_systems.systems)
 - `tracker` - a class of one's own, its sensors, law, route -> `OwnTracker` for run (sim.estimation.own_trackers)
 - `figures` - Result -> names and titles of its figures, for `Result.plot` (sim.results.result)
 - `load` - the folder of a run -> the Result that it was written from (sim.results.loading)
@@ -116,6 +117,10 @@ Data
 - `StudyResult` - what a study found out (sim.results.studied)
     - ``folder`` that holds it, or None; ``metrics`` - as in its metrics.json; ``broken`` - one sentence for each check
       that failed
+- `LinearSystems` - linear models about the leg on which a flight begins (sim.flight.linear_systems.systems)
+    - ``leg``, at whose airspeed and height they hold; ``aircraft``, ``bank``, ``opened`` (at the bank command) and
+      ``closed`` - each a control.StateSpace whose signals have names with units, all but the aircraft sampled at 30 Hz
+    - ``loop`` - the matrices of the sampled loops (autopilot.route_loop); ``law`` that closes them
 - `OwnTracker` - a tracker of the caller with what it is given (sim.estimation.own_trackers)
     - ``made`` - a tracker, or the class that makes one; ``sensors`` it listens to, None = all that it can read; ``law``
       - "autopilot", changes to that, or None; ``route`` - whether it is given that; ``parameters`` of its class
@@ -143,6 +148,7 @@ if TYPE_CHECKING:
     from sim.estimation.own_trackers import OwnTracker, tracker
     from sim.estimation.tracking_run import Tracked, track
     from sim.experiment import fly, read, report, run
+    from sim.flight.linear_systems.systems import LinearSystems, linear
     from sim.flight.preparation import Prepared, prepare
     from sim.flight.record import Flight
     from sim.flight.recording.flights import recorded
@@ -162,6 +168,7 @@ __all__ = [
     "Command",
     "Flight",
     "LawFit",
+    "LinearSystems",
     "Measurements",
     "OutputError",
     "OwnTracker",
@@ -178,6 +185,7 @@ __all__ = [
     "figures",
     "fly",
     "identify",
+    "linear",
     "load",
     "observe",
     "prepare",
@@ -198,6 +206,7 @@ _HOMES = {
     "sim.estimation.own_trackers": ("OwnTracker", "tracker"),
     "sim.estimation.tracking_run": ("Tracked", "track"),
     "sim.experiment": ("fly", "read", "report", "run"),
+    "sim.flight.linear_systems.systems": ("LinearSystems", "linear"),
     "sim.flight.preparation": ("prepare",),
     "sim.flight.preparing.prepared": ("Prepared",),
     "sim.flight.record": ("Flight",),

@@ -35,7 +35,10 @@ DAMAGED = (
     *(OSError, ValueError, LookupError, TypeError, AttributeError, EOFError, RuntimeError, MemoryError),
     *(zipfile.BadZipFile, zlib.error),
 )  # what reading a file that is not what it should be may raise
-KINDS = {"run": "a run", "study": "a study", "claims": "the claims", "identification": "identified laws"}
+KINDS = {
+    **{"run": "a run", "study": "a study", "claims": "the claims", "identification": "identified laws"},
+    "jsbsim": "a root of JSBSim",
+}
 
 
 def claim(folder: Path, what: str) -> None:

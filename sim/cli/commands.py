@@ -403,13 +403,28 @@ def list_(
 
 @app.command()
 def explain(
-    scenario: Scenario = DEFAULT, sets: Sets = None, plugins: Plugins = None, no_cache: NoCache = False
+    scenario: Scenario = DEFAULT,
+    sets: Sets = None,
+    plugins: Plugins = None,
+    bode: Annotated[
+        Path | None, typer.Option(metavar="FILE.svg", help="Draw gain and phase of the route loop instead.")
+    ] = None,
+    step: Annotated[
+        Path | None, typer.Option(metavar="FILE.svg", help="Draw bank and path after a step instead.")
+    ] = None,
+    no_cache: NoCache = False,
 ) -> None:
     """Show what a scenario resolves to: route, trim, modes, gains, limits, checks."""
+    from sim.cli.explain import draw_loops
     from sim.cli.explain import explain as told
     from sim.experiment import read
 
-    typer.echo(told(read(scenario, _overrides(sets), plugins=plugins or ())))
+    read_ = read(scenario, _overrides(sets), plugins=plugins or ())
+    wanted = {name: path for name, path in (("bode", bode), ("step", step)) if path is not None}
+    for path in draw_loops(read_, wanted):
+        typer.echo(f"wrote {path}")
+    if not wanted:
+        typer.echo(told(read_))
 
 
 @app.command()
@@ -479,7 +494,7 @@ def identify(
 
 @app.command()
 def export(
-    folder: Annotated[Path, typer.Argument(help="A run folder or a study folder.")],
+    folder: Annotated[Path, typer.Argument(help="A run folder or a study folder; with --jsbsim a scenario.")],
     csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
     parquet: Annotated[bool, typer.Option("--parquet", help="Parquet, for large records.")] = False,
     tracks: Annotated[
@@ -494,12 +509,24 @@ def export(
     workers: Annotated[
         int, typer.Option("-j", "--workers", min=1, help="With --tracks: processes that fly flights again.")
     ] = 1,
+    jsbsim: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="A scenario as a root of JSBSim, which flies it alone.")
+    ] = None,
+    sets: Sets = None,
     plugins: Plugins = None,
 ) -> None:
-    """Write the records of a run, or the flights of a study, for other programs."""
+    """Write the records of a run, or the flights of a study, for other programs; or a scenario for JSBSim alone."""
     from sim.cli.export import export as write
-    from sim.cli.export import export_tracks
+    from sim.cli.export import export_jsbsim, export_tracks
 
+    if jsbsim is not None:
+        if csv or parquet or tracks or out is not None or date is not None or workers > 1:
+            raise OutputError("--jsbsim DIR goes alone, with a scenario, --set and --plugin")
+        for line in export_jsbsim(str(folder), jsbsim, _overrides(sets), plugins or ()):
+            typer.echo(printable(line))
+        return
+    if sets:
+        raise OutputError("--set goes with --jsbsim: what was run keeps its values")
     kinds = [name for name, asked in (("csv", csv), ("parquet", parquet)) if asked]
     if tracks:
         if kinds:
@@ -516,7 +543,7 @@ def export(
     if out is not None or date is not None or workers > 1:
         raise OutputError("-o, --date and -j go with --tracks")
     if not kinds:
-        raise OutputError("say what: --csv, --parquet or --tracks")
+        raise OutputError("say what: --csv, --parquet, --tracks or --jsbsim")
     for kind in kinds:
         for path in write(folder, kind):
             typer.echo(f"wrote {path}")

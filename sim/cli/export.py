@@ -9,6 +9,7 @@ import itertools
 import json
 import math
 import os
+import shlex
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
@@ -66,6 +67,17 @@ def export_tracks(
             raise OutputError(f"--date {date}: write it as 2026-01-01T12:00:00Z") from None
         begins = (told if told.tzinfo is not None else told.replace(tzinfo=UTC)).timestamp()
     return write_recordings(folder, out, date=begins, workers=workers, plugins=plugins, progress=progress)
+
+
+def export_jsbsim(scenario: str, folder: Path, overrides: dict[str, Any], plugins: Any) -> list[str]:
+    """Write a scenario as a root of JSBSim that flies it alone; what was written and how to fly it, in lines."""
+    from sim.experiment import read
+    from sim.flight.jsbsim_root.folder import SCRIPT, write_jsbsim_root
+    from sim.flight.preparation import prepare
+
+    root = write_jsbsim_root(prepare(read(scenario, overrides, plugins=plugins)), folder)
+    fly = f"jsbsim --root={shlex.quote(str(folder))} --script={SCRIPT} --simulation-rate={root.rate:g}"
+    return [f"wrote {folder}: {len(root.files)} files, {root.components} components of its autopilot", f"fly it: {fly}"]
 
 
 def _tables(folder: Path) -> dict[str, Columns]:

@@ -6,5 +6,6 @@ joins them with route, law and trim, with the parts that lie in ``preparing`` an
 ``loop`` flies, ``outcomes`` says how it ends, ``record`` is the ``Flight``, ``interpolation`` the motion between its
 instants.
 ``swings`` what theory says of them. The room ``arrivals`` has approaches as they are flown, ``truths`` are flights by
-formula, one file for each path of the papers, ``recording`` makes one of a recorded track.
+formula, one file for each path of the papers, ``recording`` makes one of a recorded track,
+``jsbsim_root`` a scenario that JSBSim flies alone, ``linear_systems`` its loops for python-control.
 """
