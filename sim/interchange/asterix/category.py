@@ -41,7 +41,9 @@ class Category(NamedTuple):
         """Where the parts of a record lie, counted from its begin: named by item and subfield, ``500.apc``."""
         at, found = len(specification), []
         for item, (length, own) in zip(self.present(specification), marks, strict=True):
-            found += [leaf._replace(name=item.number + leaf.name, offset=at + leaf.offset) for leaf in item.form.leaves(own)]
+            found += [
+                leaf._replace(name=item.number + leaf.name, offset=at + leaf.offset) for leaf in item.form.leaves(own)
+            ]
             at += length
         return found
 

@@ -17,7 +17,7 @@ WIDEST = 8  # octets of a part whose fields are read
 class Records(NamedTuple):
     """n records of a category, in the order of their blocks."""
 
-    count: int
+    total: int  # n
     columns: dict[str, np.ndarray]  # (n,) SI by item and field, "040.rho"; NaN = not in that record, absent = in none
 
 

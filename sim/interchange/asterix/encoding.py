@@ -45,7 +45,10 @@ def encode(category: Category, columns: Mapping[str, np.ndarray]) -> Encoded:
     for number, piece in enumerate(pieces):
         pattern |= piece.there.astype(np.int64) << number
     kinds, kind = np.unique(pattern, return_inverse=True)
-    rows = [(np.flatnonzero(kind == number), _matrix(pieces, int(found), kind == number)) for number, found in enumerate(kinds)]
+    rows = [
+        (np.flatnonzero(kind == number), _matrix(pieces, int(found), kind == number))
+        for number, found in enumerate(kinds)
+    ]
     lengths = np.zeros(count, np.int64)
     for chosen, matrix in rows:
         lengths[chosen] = matrix.shape[1]
@@ -68,7 +71,11 @@ def _pieces(category: Category, columns: Mapping[str, np.ndarray]) -> Iterator[P
             continue
         for part in item.form.written(given[item.number]):
             name = item.number + part.name
-            own = {field.name: columns[f"{name}.{field.name}"] for field in part.fields if f"{name}.{field.name}" in columns}
+            own = {
+                field.name: columns[f"{name}.{field.name}"]
+                for field in part.fields
+                if f"{name}.{field.name}" in columns
+            }
             known |= {f"{name}.{field}" for field in own}
             yield _piece(category.called(name), place, item.form, part, own)
     if unknown := sorted(columns.keys() - known):

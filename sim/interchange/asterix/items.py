@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple, Protocol
 
+
 class Field(NamedTuple):
     """Bits of an item, the most significant first."""
 
@@ -104,7 +105,9 @@ class Extended(NamedTuple):
     def written(self, fields: Collection[str]) -> list[Part]:
         """The octets up to the last one of which a field is given, with the bits that say so."""
         last = max(number for number, part in enumerate(self.parts) if any(field.name in fields for field in part))
-        bits = [(*part, Field("", 1, constant=int(number < last))) for number, part in enumerate(self.parts[: last + 1])]
+        bits = [
+            (*part, Field("", 1, constant=int(number < last))) for number, part in enumerate(self.parts[: last + 1])
+        ]
         return [Part(0, "", tuple(field for part in bits for field in part))]
 
     def head(self, places: Sequence[int]) -> bytes:
@@ -226,7 +229,11 @@ class Compound(NamedTuple):
         named = {name.partition(".")[0] for name in fields}
         parts = [(place, *part) for place, part in enumerate(self.parts) if part is not None and part[0] in named]
         return [
-            Part(place, f".{name}", form.written([one.partition(".")[2] for one in fields if one.startswith(f"{name}.")])[0].fields)
+            Part(
+                place,
+                f".{name}",
+                form.written([one.partition(".")[2] for one in fields if one.startswith(f"{name}.")])[0].fields,
+            )
             for place, name, form in parts
         ]
 
