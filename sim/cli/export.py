@@ -71,7 +71,7 @@ def export_asterix(
     Without ``date`` the flight begins at midnight, so that times of day are its own. Raises ``OutputError`` in one
     sentence for a folder that is not of a run, before anything is written.
     """
-    from sim.results.asterix_export import write_asterix
+    from sim.results.asterix.files import write_asterix
     from sim.results.loading import load
 
     refuse_unwritten(folder)

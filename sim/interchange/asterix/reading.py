@@ -40,8 +40,10 @@ class Feed(NamedTuple):
 
 
 def is_asterix(content: bytes, name: str = "") -> bool:
-    """Whether a file is to be read as ASTERIX: a capture, or by the length of its first block, or by its name."""
-    return is_capture(content) or name.lower().endswith(ENDING) or (len(content) > 1 and content[1] < TEXT)
+    """Whether a file is to be read as ASTERIX: a capture, one of that name, or one that begins with a block."""
+    if is_capture(content) or name.lower().endswith(ENDING):
+        return True
+    return len(content) > 1 and content[0] in READ and content[1] < TEXT
 
 
 def feed_of(content: bytes, wanted: Iterable[int]) -> Feed:

@@ -32,11 +32,12 @@ FIELDS: dict[int, dict[str, tuple[str, ...]]] = {
 
 
 NAMES = dict.fromkeys(name for fields in FIELDS.values() for name in fields)
+CORRELATED = 0.999  # rounding may bring a covariance beyond the sigmas it belongs to: as far as this is read
 SPACE, NINE = 0x20, 0x39  # letters in six bits: 1 to 26 are A to Z, digits as in ASCII
 UNDATED = "it has times of day and no date: its first day is taken for 1970-01-01"
 
 
-class Estimates(NamedTuple):
+class TrackColumns(NamedTuple):
     """n estimates of all tracks of a file, in its order; SI, NaN = not said."""
 
     time: np.ndarray  # (n,) s of the day, UTC; it goes on beyond midnight
@@ -57,13 +58,15 @@ class Estimates(NamedTuple):
     remarks: tuple[str, ...]  # what was left out
 
 
-def read_estimates(content: bytes) -> Estimates:
+def read_estimates(content: bytes) -> TrackColumns:
     """The estimates of a file of ASTERIX, raw or a capture: CAT062, and CAT021 where it has none.
 
     Raises ``AsterixError`` in one sentence for what cannot be read.
     """
     values, remarks = _values(content)
     correlated = np.where(np.isnan(values["xy_root"]), 0.0, np.sign(values["xy_root"]) * values["xy_root"] ** 2)
+    bound = CORRELATED * values["x_sigma"] * values["y_sigma"]
+    correlated = np.clip(correlated, -bound, bound)
     cov = np.array([[values["x_sigma"] ** 2, correlated], [correlated, values["y_sigma"] ** 2]])
     cov = np.where(np.isnan(values["x_sigma"] + values["y_sigma"]), np.nan, cov)
     sigma = np.stack((values["velocity_x_sigma"], values["velocity_y_sigma"]), axis=-1)
@@ -71,8 +74,8 @@ def read_estimates(content: bytes) -> Estimates:
     east, north = values["ground_speed"] * np.sin(course), values["ground_speed"] * np.cos(course)
     values["velocity_x"] = np.where(np.isnan(values["velocity_x"]), east, values["velocity_x"])
     values["velocity_y"] = np.where(np.isnan(values["velocity_y"]), north, values["velocity_y"])
-    own = {name: values[name] for name in Estimates._fields if name in values}
-    return Estimates(**own, position_cov=np.moveaxis(cov, -1, 0), velocity_sigma=sigma, remarks=remarks)
+    own = {name: values[name] for name in TrackColumns._fields if name in values}
+    return TrackColumns(**own, position_cov=np.moveaxis(cov, -1, 0), velocity_sigma=sigma, remarks=remarks)
 
 
 def read_flights(content: bytes) -> tuple[dict[str, list[str]], dict[str, np.ndarray], tuple[str, ...]]:

@@ -31,7 +31,7 @@ VERSION, LINK = 2, 2  # of CAT021: ED-102A, and 1090 MHz extended squitter
 ALTITUDE_STEP_UNKNOWN = 2
 
 
-class Estimate(NamedTuple):
+class Estimates(NamedTuple):
     """n estimates of tracks, SI; x to the east and y to the north of the reference point."""
 
     stamps: np.ndarray  # (n,) s since 1970, each true at its stamp
@@ -145,20 +145,20 @@ REPORTED = {
 }
 
 
-def system_tracks(sic: int, estimate: Estimate) -> Blocks:
+def system_tracks(sic: int, estimates: Estimates) -> Blocks:
     """CAT062. What an accuracy cannot hold is the largest that it can."""
-    found = _report(sic, estimate.stamps, "070.time")
-    found |= {"105.latitude": estimate.latitude, "105.longitude": estimate.longitude}
-    found |= {"060.code": code_of(estimate.draw), "380.adr.address": address_of(estimate.draw)}
-    found |= {"040.number": np.asarray(estimate.draw, float), "080.mon": _all(estimate.stamps, 1)}
-    found |= {"080.sim": _all(estimate.stamps, 1), "080.tsb": 1.0 * estimate.first, "080.tse": 1.0 * estimate.last}
-    covariance = estimate.position_cov[0, 1]
+    found = _report(sic, estimates.stamps, "070.time")
+    found |= {"105.latitude": estimates.latitude, "105.longitude": estimates.longitude}
+    found |= {"060.code": code_of(estimates.draw), "380.adr.address": address_of(estimates.draw)}
+    found |= {"040.number": np.asarray(estimates.draw, float), "080.mon": _all(estimates.stamps, 1)}
+    found |= {"080.sim": _all(estimates.stamps, 1), "080.tsb": 1.0 * estimates.first, "080.tse": 1.0 * estimates.last}
+    covariance = estimates.position_cov[0, 1]
     found["500.cov.xy"] = np.clip(np.sign(covariance) * np.sqrt(np.abs(covariance)), -16000.0, 16000.0)
     for row, axis in enumerate("xy"):
-        found[f"100.{axis}"], found[f"185.{axis}"] = estimate.position[row], estimate.velocity[row]
-        found[f"500.apc.{axis}"] = np.minimum(np.sqrt(estimate.position_cov[row, row]), 32767.0)
-        found[f"500.atv.{axis}"] = np.minimum(estimate.velocity_sigma[row], 63.75)
-    return _packed(CAT062, found, estimate.stamps)
+        found[f"100.{axis}"], found[f"185.{axis}"] = estimates.position[row], estimates.velocity[row]
+        found[f"500.apc.{axis}"] = np.minimum(np.sqrt(estimates.position_cov[row, row]), 32767.0)
+        found[f"500.atv.{axis}"] = np.minimum(estimates.velocity_sigma[row], 63.75)
+    return _packed(CAT062, found, estimates.stamps)
 
 
 def _report(sic: int, stamps: np.ndarray, time: str) -> dict[str, np.ndarray]:
