@@ -57,6 +57,7 @@ def packed(category: int, lengths: np.ndarray, octets: np.ndarray, stamps: np.nd
     ----------
     lengths : (n,) of the records, whose octets are ``octets``
     stamps : (n,) when each record is sent; a change begins a new block
+    most : octets of a block, so that a datagram of it passes where packets have 1500; a record alone may be longer
     """
     if not len(lengths):
         return Blocks(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.uint8))

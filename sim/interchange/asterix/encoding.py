@@ -77,7 +77,8 @@ def _pieces(category: Category, columns: Mapping[str, np.ndarray]) -> Iterator[P
                 if f"{name}.{field.name}" in columns
             }
             known |= {f"{name}.{field}" for field in own}
-            yield _piece(category.called(name), place, item.form, part, own)
+            if own:
+                yield _piece(category.called(name), place, item.form, part, own)
     if unknown := sorted(columns.keys() - known):
         raise ValueError(f"{category.called(unknown[0])} is no field that is written")
 
