@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from aircraft.state import AircraftState
+from sim.flight.interpolation import state_at
 from sim.observation.sensor import Look
 from sim.randomness import Rows
 from sim.scenario.tables import Runway
@@ -75,6 +76,51 @@ def looks_until(state: S, period: float, until: float, look: Callable[[float], L
     return own._replace(epoch=epoch), looks
 
 
+def quantised(value: Any, step: float) -> Any:
+    """The nearest multiple of a step; 0 = as it is."""
+    return np.round(value / step) * step if step > 0.0 else value
+
+
+DEAD_TIME = 0.25  # of a turn: sooner the same aircraft is not met again, but where it passes over the antenna
+PIECE = 1 / 16  # of a turn, in which a beam is looked for
+
+
+def beam_passes(
+    sensor: Any, begun: float, free: float, before: AircraftState, after: AircraftState
+) -> tuple[list[float], float]:
+    """Times in (before, after], s, at which a beam points at the aircraft, and from when on the next may be.
+
+    The beam turns clockwise once in ``sensor.period`` and pointed at the sensor's zero azimuth at ``begun``. Before
+    ``free`` there is no pass. The root of wrap(2 pi (t - begun) / period - azimuth(t)) is found by secants.
+    """
+
+    def ahead(time: float) -> float:
+        """By how much the beam has passed the aircraft, rad within -pi and pi."""
+        azimuth = polar(place(state_at(before, after, time)), sensor.antenna, sensor.zero_azimuth)[1]
+        return float(wrap(2.0 * math.pi * (time - begun) / sensor.period - azimuth))
+
+    found: list[float] = []
+    start = max(before.time, free)
+    while start < after.time:
+        end = min(after.time, start + PIECE * sensor.period)
+        first, last = ahead(start), ahead(end)
+        if first < 0.0 <= last and last - first < math.pi:
+            time = max(_root(ahead, (start, first), (end, last)), math.nextafter(start, math.inf))
+            found.append(time)
+            end = free = time + DEAD_TIME * sensor.period
+        start = end
+    return found, max(free, before.time)
+
+
+def _root(ahead: Callable[[float], float], left: tuple[float, float], right: tuple[float, float]) -> float:
+    """Where a nearly straight function is 0, between a point below and one at or above it: four secants, bracketed."""
+    for _ in range(4):
+        time = left[0] + (right[0] - left[0]) * left[1] / (left[1] - right[1])
+        value = ahead(time)
+        left, right = ((time, value), right) if value < 0.0 else (left, (time, value))
+    return min(left, right, key=lambda point: abs(point[1]))[0]
+
+
 def sector(
     antenna: tuple[float, float, float], axis: float, width: float, reach: float
 ) -> tuple[tuple[float, float], ...]:
@@ -108,6 +154,13 @@ def positive(instance: Any, *names: str) -> None:
         value = getattr(instance, name)
         if value is not None and not value > 0:
             raise ValueError(f"{name} must be above 0")
+
+
+def not_negative(instance: Any, *names: str) -> None:
+    """Refuse parameters below zero."""
+    for name in names:
+        if not getattr(instance, name) >= 0:
+            raise ValueError(f"{name} must not be negative")
 
 
 def share(instance: Any, *names: str) -> None:

@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 
 from aircraft.state import AircraftState
-from sim.observation.antenna import Sampling, at_least_a_step, looks_until, no_outline, positive
+from sim.observation.antenna import Sampling, at_least_a_step, looks_until, no_outline, not_negative, positive
 from sim.observation.sensor import Look
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
@@ -56,8 +56,7 @@ class Downlink:
     def __post_init__(self) -> None:
         at_least_a_step(self.period)
         positive(self, "load_factor_sigma", "bank_sigma", "path_sigma", "course_sigma")
-        if self.latency < 0:
-            raise ValueError("latency must not be negative")
+        not_negative(self, "latency")
         if self.silent_until < self.silent_from:
             raise ValueError("silent_until must not lie before silent_from")
 

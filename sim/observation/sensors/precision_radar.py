@@ -15,6 +15,7 @@ from sim.observation.antenna import (
     antenna_of,
     at_least_a_step,
     looks_until,
+    not_negative,
     place,
     polar,
     positive,
@@ -57,6 +58,9 @@ class PrecisionRadar:
 
     With ``clutter`` a look also holds false plots, Poisson in number and uniform about the aircraft: so many on average
     inside 3 standard deviations of range and azimuth. The sensor does not say which plot is the target's.
+
+    Biases are added to all that it measures of the target, and neither R nor the sector knows of them; ``latency``
+    later than it was true a plot is known.
     """
 
     period: Annotated[float, "s"] = 0.7
@@ -70,6 +74,10 @@ class PrecisionRadar:
     coverage: Annotated[float, "m"] = 20_000.0
     detection: float = 1.0  # probability that a plot is made
     clutter: float = 0.0  # mean number of false plots inside 3 standard deviations of range and azimuth
+    range_bias: Annotated[float, "m"] = 0.0
+    azimuth_bias: Annotated[float, "rad"] = 0.0  # + measures too far to the right
+    elevation_bias: Annotated[float, "rad"] = 0.0  # + measures too high
+    latency: Annotated[float, "s"] = 0.0
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
     channels: ClassVar[tuple[str, ...]] = ("range", "azimuth", "elevation")
@@ -80,6 +88,7 @@ class PrecisionRadar:
     def __post_init__(self) -> None:
         at_least_a_step(self.period)
         positive(self, "range_sigma", "azimuth_sigma", "elevation_sigma", "sector", "coverage")
+        not_negative(self, "latency")
         share(self, "detection")
         if not 0.0 <= self.clutter <= MOST_CLUTTER:
             raise ValueError(f"clutter must lie within 0 and {MOST_CLUTTER:g} false plots inside 3 standard deviations")
@@ -130,18 +139,20 @@ class PrecisionRadar:
         With clutter the candidates are (c, 3, draws), NaN = none. They share R, the accuracy at the target's own plot.
         """
 
+        bias = np.array([[self.range_bias], [self.azimuth_bias], [self.elevation_bias]])
+
         def look(epoch: float) -> Look | None:
             noise, luck = state.noise.row(), state.detection.row()[0]  # row k belongs to epoch k, seen or not
             false = None if state.clutter is None else state.clutter.row()
             exact = self.truth(state_at(before, after, epoch))
             if abs(exact[1]) > self.sector / 2 or exact[0] > self.coverage:
                 return None
-            z = exact[:, None] + self.sigmas(*exact)[:, None] * noise
+            z = exact[:, None] + bias + self.sigmas(*exact)[:, None] * noise
             # the accuracy that the radar states is that at the place that it measured
             R = np.einsum("ij,in->ijn", np.eye(3), self.sigmas(*z) ** 2)
             z = np.where(luck < self.detection, z, np.nan)
             plots = None if false is None else np.concatenate((z[None], self._false_plots(exact, false)))
-            return Look(epoch, epoch, z, R, plots)
+            return Look(epoch, epoch + self.latency, z, R, plots)
 
         return looks_until(state, self.period, after.time, look)
 

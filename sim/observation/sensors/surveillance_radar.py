@@ -15,11 +15,15 @@ from sim.flight.interpolation import state_at
 from sim.observation.antenna import (
     antenna_of,
     at_least_a_step,
+    beam_passes,
     looks_until,
-    no_outline,
+    not_negative,
     place,
     polar,
     positive,
+    quantised,
+    sector,
+    share,
     zero_azimuth_of,
 )
 from sim.observation.sensor import Look
@@ -35,12 +39,17 @@ STEPS = (25.0 * FOOT, 100.0 * FOOT)  # of a Mode S and of a Mode A/C transponder
 ALTIMETRY_SIGMA = 125.0 * FOOT / 2.0
 
 
+POLAR_ERRORS = ("range_bias", "azimuth_bias", "north_error", "range_step", "azimuth_step")
+
+
 class Turning(NamedTuple):
     """What the radar carries from turn to turn."""
 
-    epoch: float  # s, of the next look
+    epoch: float  # s, of the next look; of a beam that turns: before it there is none
     noise: Rows
+    luck: Rows | None  # of detection; None = every plot is made
     altimetry: np.ndarray  # (draws,) m, the constant error of each aircraft's altimetry; zeros without Mode C
+    begun: float  # s, when the beam pointed at zero azimuth
 
 
 @dataclass(frozen=True)
@@ -51,6 +60,13 @@ class SurveillanceRadar:
     its altimetry, in steps. The ground takes off the pressure altitude of the threshold, which follows from the QNH.
     On a cold day the aircraft is then lower than its answer says, and on a hot day higher, by 4 % of the height for
     10 K: that error is real and stays, and R, which counts the altimetry and the steps, knows nothing of it.
+
+    It can err as radars do and does not say: ``range_bias`` and ``azimuth_bias`` are added to what it measures; a zero
+    mark that stands ``north_error`` to the right of where it should makes every azimuth so much smaller. R counts none
+    of the three. ``range_step`` and ``azimuth_step`` are those of its counters, which R counts. With ``rotating`` a
+    look is made when the beam, which turns clockwise once a period and begins at its zero, passes the aircraft; else
+    at multiples of the period. What lies beyond ``coverage``, or within ``cone_of_silence`` of the vertical above the
+    antenna, is not seen; ``latency`` later than it was true a plot is known.
     """
 
     period: Annotated[float, "s"] = 4.0
@@ -61,6 +77,16 @@ class SurveillanceRadar:
     course: Annotated[float, "rad"] = 0.0  # of zero azimuth, relative to the runway
     height: Literal["none", "mode_c"] = "none"  # what of the height is measured
     height_step: Annotated[float, "m"] = STEPS[0]  # 25 ft, which the Mode S transponders of transports answer, or 100
+    detection: float = 1.0  # probability that a plot is made
+    range_bias: Annotated[float, "m"] = 0.0
+    azimuth_bias: Annotated[float, "rad"] = 0.0  # + measures too far to the right
+    north_error: Annotated[float, "rad"] = 0.0  # of its zero mark, + to the right
+    range_step: Annotated[float, "m"] = 0.0  # 0 = none
+    azimuth_step: Annotated[float, "rad"] = 0.0  # of 4096 azimuth counts: 0.088 deg
+    rotating: bool = False  # the beam meets the aircraft where it is, not at multiples of the period
+    coverage: Annotated[float | None, "m"] = None  # slant; absent = as far as there is something to see
+    cone_of_silence: Annotated[float, "rad"] = 0.0  # half angle about the vertical
+    latency: Annotated[float, "s"] = 0.0
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
     air: Annotated[Air, "given"] = field(default_factory=Air)
 
@@ -68,11 +94,20 @@ class SurveillanceRadar:
     clutter: ClassVar[float] = 0.0  # it knows its target
     antenna = property(antenna_of)
     zero_azimuth = property(zero_azimuth_of)
-    outline = no_outline  # it sees all round, as far as there is something to see
 
     def __post_init__(self) -> None:
         at_least_a_step(self.period)
-        positive(self, "range_sigma", "azimuth_sigma", "position_sigma")
+        positive(self, "range_sigma", "azimuth_sigma", "position_sigma", "coverage")
+        not_negative(self, "range_step", "azimuth_step", "cone_of_silence", "latency")
+        share(self, "detection")
+        if not self.cone_of_silence < math.pi / 2:
+            raise ValueError("cone_of_silence must be below 90 deg: beyond, it would see nothing above its horizon")
+        polar_errors = [name for name in POLAR_ERRORS if getattr(self, name) != 0.0]
+        if self.position_sigma is not None and polar_errors:
+            raise ValueError(
+                f"{polar_errors[0]} is an error of range or azimuth, and position_sigma gives neither: "
+                f"take position_sigma out"
+            )
         if not any(math.isclose(self.height_step, step) for step in STEPS):
             raise ValueError(f"height_step must be 25 ft or 100 ft, not {self.height_step / FOOT:.6g} ft")
 
@@ -91,7 +126,8 @@ class SurveillanceRadar:
         if self.position_sigma is not None:
             variances = [self.position_sigma**2, self.position_sigma**2]
         else:
-            variances = [self.range_sigma**2, self.azimuth_sigma**2]
+            steps = (self.range_step**2 / 12.0, self.azimuth_step**2 / 12.0)
+            variances = [self.range_sigma**2 + steps[0], self.azimuth_sigma**2 + steps[1]]
         return np.diag([*variances, ALTIMETRY_SIGMA**2 + self.height_step**2 / 12.0] if self._answered else variances)
 
     def truth(self, state: AircraftState) -> np.ndarray:
@@ -111,21 +147,50 @@ class SurveillanceRadar:
         steps = np.round((self.air.pressure_altitude(height) + altimetry) / self.height_step)
         return steps * self.height_step - self.air.pressure_altitude(0.0)
 
+    def outline(self) -> tuple[tuple[float, float], ...]:
+        """A circle of the coverage, if it has any."""
+        if self.coverage is None:
+            return ()
+        return sector(self.antenna, self.zero_azimuth, 2.0 * math.pi, self.coverage)
+
     def begin(self, time: float, streams: Streams) -> Turning:
-        """Ready for the first look, one period after ``time``."""
+        """Ready for the first look, one period after ``time``, or the first pass of the beam."""
         altimetry = ALTIMETRY_SIGMA * streams.normal("altimetry", 1).row()[0] if self._answered else np.zeros(1)
-        return Turning(time + self.period, streams.normal("noise", 2), altimetry)
+        luck = streams.uniform("detection", 1) if self.detection < 1.0 else None
+        first = time if self.rotating else time + self.period
+        return Turning(first, streams.normal("noise", 2), luck, altimetry, time)
 
     def step(self, state: Turning, before: AircraftState, after: AircraftState) -> tuple[Turning, list[Look]]:
-        """Looks that fall between two records."""
+        """Looks that fall between two records; row k of the streams belongs to look k, seen or not."""
         R = self.covariance()
-        sigma = np.sqrt(np.diag(R))[:2, None]
 
-        def scan(epoch: float) -> Look:
+        def scan(epoch: float) -> Look | None:
             now = state_at(before, after, epoch)
-            z = self.truth(now)[:2, None] + sigma * state.noise.row()
+            noise, luck = state.noise.row(), None if state.luck is None else state.luck.row()[0]
+            if not self._sees(now):
+                return None
+            z = self._measured(self.truth(now)[:2, None], noise)
             if self._answered:
                 z = np.concatenate((z, self.reported_height(now.height, state.altimetry)[None]))
-            return Look(epoch, epoch, z, R)
+            if luck is not None:
+                z = np.where(luck < self.detection, z, np.nan)
+            return Look(epoch, epoch + self.latency, z, R)
 
-        return looks_until(state, self.period, after.time, scan)
+        if not self.rotating:
+            return looks_until(state, self.period, after.time, scan)
+        epochs, epoch = beam_passes(self, state.begun, state.epoch, before, after)
+        looks = [look for look in map(scan, epochs) if look is not None]
+        return state._replace(epoch=epoch), looks
+
+    def _sees(self, state: AircraftState) -> bool:
+        slant, _, elevation = polar(place(state), self.antenna, self.zero_azimuth)
+        near = self.coverage is None or slant <= self.coverage
+        return bool(near and elevation <= math.pi / 2 - self.cone_of_silence)
+
+    def _measured(self, exact: np.ndarray, noise: np.ndarray) -> np.ndarray:
+        """Place channels of a look, (2, draws), from the exact ones (2, 1) and standard normal noise (2, draws)."""
+        if self.position_sigma is not None:
+            return np.asarray(exact + self.position_sigma * noise)
+        bias = np.array([[self.range_bias], [self.azimuth_bias - self.north_error]])
+        z = exact + bias + np.array([[self.range_sigma], [self.azimuth_sigma]]) * noise
+        return np.stack((quantised(z[0], self.range_step), quantised(z[1], self.azimuth_step)))

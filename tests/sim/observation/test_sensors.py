@@ -23,9 +23,13 @@ from tracking.trackers.switching_noise import BeamNoise
 RUNWAY = Runway(heading=math.radians(80.0))
 KINDS = catalogue.kinds("sensors")
 VARIANTS = {
-    "surveillance_radar": [{}, {"position_sigma": 100.0, "period": 0.31}],
+    "surveillance_radar": [
+        {},
+        {"position_sigma": 100.0, "period": 0.31},
+        {"range_step": 200.0, "azimuth_step": math.radians(0.5), "detection": 0.8, "coverage": 20e3},
+    ],
     "localiser": [{}, {"course_offset": math.radians(6.0), "position": (2600.0, 300.0, 3.0)}],
-    "precision_radar": [{}, {"accuracy": "constant", "period": 1 / 3, "detection": 0.9}],
+    "precision_radar": [{}, {"accuracy": "constant", "period": 1 / 3, "detection": 0.9, "latency": 0.5}],
     "mls": [
         {},
         {"beam": BeamNoise(snr=5.38, at_distance=750.0, floor=math.radians(0.02))},
