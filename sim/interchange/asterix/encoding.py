@@ -11,6 +11,10 @@ from sim.interchange.asterix.category import Category
 from sim.interchange.asterix.items import Field, Form, Part, presence
 
 
+class FieldError(ValueError):
+    """A value that no field holds, in one sentence."""
+
+
 class Encoded(NamedTuple):
     """n records, one after another."""
 
@@ -36,7 +40,7 @@ def encode(category: Category, columns: Mapping[str, np.ndarray]) -> Encoded:
     columns : (n,) of each field by item and name, ``"040.rho"``; NaN = the item is not in that record. Other fields of
         an item that is there are 0
 
-    Raises ``ValueError`` for a field that the category does not have, for an item of which a record has but a part, and
+    Raises ``FieldError`` for a field that the category does not have, for an item of which a record has but a part, and
     for a value beyond what the bits of its field can hold.
     """
     pieces = list(_pieces(category, columns))
@@ -80,13 +84,13 @@ def _pieces(category: Category, columns: Mapping[str, np.ndarray]) -> Iterator[P
             if own:
                 yield _piece(category.called(name), place, item.form, part, own)
     if unknown := sorted(columns.keys() - known):
-        raise ValueError(f"{category.called(unknown[0])} is no field that is written")
+        raise FieldError(f"{category.called(unknown[0])} is no field that is written")
 
 
 def _piece(called: str, place: int, form: Form, part: Part, own: dict[str, np.ndarray]) -> Piece:
     there = np.isfinite(next(iter(own.values())))
     if any((np.isfinite(values) != there).any() for values in own.values()):
-        raise ValueError(f"{called} is there without some of its fields")
+        raise FieldError(f"{called} is there without some of its fields")
     word = np.zeros(len(there), np.int64)
     for field in part.fields:
         bits = _bits(f"{called} {field.name}", own[field.name], there, field) if field.name in own else field.constant
@@ -105,7 +109,7 @@ def _bits(called: str, values: np.ndarray, there: np.ndarray, field: Field) -> n
         beyond = (count < low) | (count > high)
         if beyond.any():
             value = values[int(np.argmax(beyond))]
-            raise ValueError(f"{called} holds {low * field.step:g} to {high * field.step:g}, and {value:g} is beyond")
+            raise FieldError(f"{called} holds {low * field.step:g} to {high * field.step:g}, and {value:g} is beyond")
     return np.asarray(count & (whole - 1))
 
 

@@ -27,6 +27,7 @@ ADDRESS = 0xF00000  # of draw 0; no state has addresses from here on
 CODE = 0o1001  # of draw 0
 MOST_DRAWS = 0o7000 - CODE  # codes from 7000 octal on are said of emergencies and of traffic without a code
 PRIMARY, ROLL_CALL = 1, 5  # what a plot was made of
+SLOWEST = 512.0  # s, a turn that I034/041 does not hold
 VERSION, LINK = 2, 2  # of CAT021: ED-102A, and 1090 MHz extended squitter
 ALTITUDE_STEP_UNKNOWN = 2
 
@@ -98,7 +99,10 @@ def target_reports(
 def north_markers(sic: int, stamps: np.ndarray, period: float, antenna: tuple[float, float, float]) -> Blocks:
     """CAT034: a turn of an antenna begins; ``antenna`` is (latitude rad, longitude rad, height m above the sea)."""
     found = _report(sic, stamps, "030.time")
-    found |= {"000.message": _all(stamps, NORTH_MARKER), "041.period": _all(stamps, min(period, 0xFFFF * TICK))}
+    found |= {
+        "000.message": _all(stamps, NORTH_MARKER),
+        "041.period": _all(stamps, period if period < SLOWEST else np.nan),
+    }
     for name, value in zip(("latitude", "longitude", "height"), antenna, strict=True):
         found[f"120.{name}"] = _all(stamps, value)
     return _packed(CAT034, found, stamps)

@@ -10,6 +10,7 @@ import numpy as np
 
 from sim.errors import OutputError
 from sim.interchange.asterix.blocks import Blocks
+from sim.interchange.asterix.encoding import FieldError
 from sim.interchange.asterix.pcap import capture_of
 from sim.interchange.asterix.writing import MOST_DRAWS, system_tracks
 from sim.results.asterix.sensors import messages_of
@@ -40,7 +41,7 @@ def write_asterix(
     draw : the only one that leaves; None = all, each with its number as track number
     capture : write captures of UDP datagrams (pcap) instead of data blocks as they stand
 
-    Raises ``OutputError`` in one sentence where nothing can leave.
+    Raises ``OutputError`` in one sentence where nothing can leave, or a value is beyond what its item holds.
     """
     draws = result.scenario.draws
     if draw is not None and not 0 <= draw < draws:
@@ -51,11 +52,14 @@ def write_asterix(
     begins = begins if result.flight.utc is None else result.flight.utc
     files: list[str] = []
     left: list[str] = []
-    for one in _messages(result, begins, chosen, left.append):
-        name = f"{one.name}.{'pcap' if capture else 'ast'}"
-        with (place / name).open("wb") as file:
-            file.writelines(capture_of(one.blocks) if capture else [one.blocks.octets.tobytes()])
-        files.append(f"{name}: {one.of}")
+    try:
+        for one in _messages(result, begins, chosen, left.append):
+            name = f"{one.name}.{'pcap' if capture else 'ast'}"
+            with (place / name).open("wb") as file:
+                file.writelines(capture_of(one.blocks) if capture else [one.blocks.octets.tobytes()])
+            files.append(f"{name}: {one.of}")
+    except FieldError as error:
+        raise OutputError(f"cannot leave as ASTERIX: {error}") from None
     if not files:
         raise OutputError(f"nothing can leave as ASTERIX: {left[0] if left else 'the scenario has no sensors'}")
     return files, left

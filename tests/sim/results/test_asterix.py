@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 
@@ -17,6 +18,7 @@ from sim.interchange.asterix.reading import feed_of
 from sim.interchange.asterix.tracks import read_estimates
 from sim.interchange.tracks import read_tracks
 from sim.observation.sensors.recorded import Recorded
+from sim.results.asterix.files import write_asterix
 from tests.capture import capture_tables
 
 NM, FOOT, STEP = 1852.0, 0.3048, 2.0 * math.pi / 65536.0
@@ -189,3 +191,31 @@ def test_what_cannot_leave_is_one_sentence_and_nothing_is_written(folder, date, 
     with pytest.raises(OutputError, match=re.escape(said)):
         export_asterix(folder, date, draw, False, ())
     assert {path.name: path.stat().st_mtime_ns for path in folder.iterdir()} == before
+
+
+def test_a_plot_that_no_item_holds_is_one_sentence_and_nothing_is_written(flown, tmp_path):
+    record = flown.records["terminal"]
+    far = record._replace(z=record.z + np.array([5e5, 0.0, 0.0])[:, None])
+    beyond = dataclasses.replace(flown, records={"terminal": far}, tracks={})
+    with pytest.raises(
+        OutputError, match=r"cannot leave as ASTERIX: I048/040 rho holds 0 to 474105, and 50.* is beyond"
+    ):
+        write_asterix(beyond, tmp_path, begins=0.0)
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_a_run_of_which_nothing_can_leave_says_why(flown, tmp_path):
+    deaf = dataclasses.replace(flown, records={"needle": flown.records["needle"]}, tracks={})
+    with pytest.raises(OutputError, match="nothing can leave as ASTERIX: sensor 'needle' measures azimuth"):
+        write_asterix(deaf, tmp_path, begins=0.0)
+
+
+def test_a_place_beyond_all_is_left_out_and_counted(flown, tmp_path):
+    one = flown.tracks["kalman"]
+    mean = one.track.mean.copy()
+    mean[3, 0, 1], mean[4, 1, 2] = 3e6, np.nan
+    lost = {"kalman": one._replace(track=one.track._replace(mean=mean))}
+    files, left = write_asterix(dataclasses.replace(flown, tracks=lost), tmp_path, begins=0.0)
+    assert "tracker 'kalman': 2 estimates of places or speeds that no aircraft has" in left
+    assert len(read_estimates((tmp_path / "tracks.kalman.ast").read_bytes()).time) == mean[:, 0].size - 2
+    assert files[-1] == f"tracks.kalman.ast: {mean[:, 0].size - 2} estimates"
