@@ -219,3 +219,33 @@ def test_a_place_beyond_all_is_left_out_and_counted(flown, tmp_path):
     assert "tracker 'kalman': 2 estimates of places or speeds that no aircraft has" in left
     assert len(read_estimates((tmp_path / "tracks.kalman.ast").read_bytes()).time) == mean[:, 0].size - 2
     assert files[-1] == f"tracks.kalman.ast: {mean[:, 0].size - 2} estimates"
+
+
+def test_a_sensor_that_saw_nothing_leaves_an_empty_file(flown, tmp_path):
+    blind = {name: one.until(-1.0) for name, one in flown.records.items()}
+    files, _ = write_asterix(dataclasses.replace(flown, records=blind, tracks={}), tmp_path, begins=0.0)
+    assert [one.rpartition(": ")[2] for one in files] == ["0 looks"] * 3
+    assert {path.stat().st_size for path in tmp_path.iterdir()} == {0}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--pcap",), "--pcap and --draw go with --asterix"),
+        (("--asterix", "--csv"), "--asterix goes with --pcap, --draw and --date alone"),
+        (("--date", "2026-01-01"), "--date with that or --asterix"),
+        ((), "say what: --csv, --parquet, --tracks or --asterix"),
+    ],
+)
+def test_options_that_do_not_go_together_are_told(folder, command, options, said):
+    told = command("export", folder, *options)
+    assert told.returncode == 2
+    assert said in told.stderr
+
+
+def test_the_command_says_what_it_wrote_and_what_it_left_out(folder, command):
+    told = command("export", folder, "--asterix", "--draw", 0)
+    assert told.returncode == 0
+    lines = told.stdout.splitlines()
+    assert lines[0] == f"wrote {folder}/measurements.terminal.ast: 15 looks"
+    assert lines[-1] == "left out: sensor 'needle' measures azimuth, which no category here has"
