@@ -500,11 +500,19 @@ def export(
     tracks: Annotated[
         bool, typer.Option("--tracks", help="The flights as recordings of traffic, and their runway.")
     ] = False,
+    asterix: Annotated[
+        bool, typer.Option("--asterix", help="Plots and tracks of a run as ASTERIX: CAT034, 048, 021 and 062.")
+    ] = False,
+    pcap: Annotated[bool, typer.Option("--pcap", help="With --asterix: a capture of UDP, not blocks alone.")] = False,
+    draw: Annotated[
+        int | None, typer.Option(metavar="K", help="With --asterix: draw K alone; default all, told apart by number.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="With --tracks: NAME.csv or NAME.parquet; default in the folder.")
     ] = None,
     date: Annotated[
-        str | None, typer.Option(metavar="DATE", help="With --tracks: when the first flight begins, ISO 8601, UTC.")
+        str | None,
+        typer.Option(metavar="DATE", help="With --tracks, --asterix: when the first flight begins, ISO 8601, UTC."),
     ] = None,
     workers: Annotated[
         int, typer.Option("-j", "--workers", min=1, help="With --tracks: processes that fly flights again.")
@@ -517,10 +525,10 @@ def export(
 ) -> None:
     """Write the records of a run, or the flights of a study, for other programs; or a scenario for JSBSim alone."""
     from sim.cli.export import export as write
-    from sim.cli.export import export_jsbsim, export_tracks
+    from sim.cli.export import export_asterix, export_jsbsim, export_tracks
 
     if jsbsim is not None:
-        if csv or parquet or tracks or out is not None or date is not None or workers > 1:
+        if csv or parquet or tracks or asterix or out is not None or date is not None or workers > 1:
             raise OutputError("--jsbsim DIR goes alone, with a scenario, --set and --plugin")
         for line in export_jsbsim(str(folder), jsbsim, _overrides(sets), plugins or ()):
             typer.echo(printable(line))
@@ -528,6 +536,17 @@ def export(
     if sets:
         raise OutputError("--set goes with --jsbsim: what was run keeps its values")
     kinds = [name for name, asked in (("csv", csv), ("parquet", parquet)) if asked]
+    if (pcap or draw is not None) and not asterix:
+        raise OutputError("--pcap and --draw go with --asterix")
+    if asterix:
+        if kinds or tracks or out is not None or workers > 1:
+            raise OutputError("--asterix goes with --pcap, --draw and --date alone; its files lie in the folder")
+        files, left = export_asterix(folder, date, draw, pcap, plugins or ())
+        for file in files:
+            typer.echo(f"wrote {folder / file}")
+        for sentence in left:
+            typer.echo(printable(f"left out: {sentence}"))
+        return
     if tracks:
         if kinds:
             raise OutputError(
@@ -541,9 +560,9 @@ def export(
             raise typer.Exit(FLIGHTS_CRASHED)
         return
     if out is not None or date is not None or workers > 1:
-        raise OutputError("-o, --date and -j go with --tracks")
+        raise OutputError("-o and -j go with --tracks, --date with that or --asterix")
     if not kinds:
-        raise OutputError("say what: --csv, --parquet, --tracks or --jsbsim")
+        raise OutputError("say what: --csv, --parquet, --tracks, --asterix or --jsbsim")
     for kind in kinds:
         for path in write(folder, kind):
             typer.echo(f"wrote {path}")
