@@ -2,7 +2,7 @@
 
 Until then the bank follows the heading error; speed and height are those of the approach. The law is armed on the last
 heading and captures when it would itself turn towards the final course. Nothing plans this turn: where it begins is the
-law's own affair, and the wind's.
+law's own affair, and the wind's. Once the capture is complete, a law that tracks the line follows it.
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ from autopilot.saturation import saturate
 ON_HEADING = math.radians(5.0)  # from a heading, within which it is held
 HEADING_TIME = 8.0  # s, in which a heading error fades: slow beside the bank loop, quick beside a vector
 PLAN_STEP = 0.5  # s
+CAPTURE_TIME = 25.0  # s, of a capture at least, before the line is tracked [L-1011 flight guidance, ATA 22-30] ...
+CAPTURE_BANK = math.radians(5.0)  # ... and the bank command below which it is complete
+TRACKING_BANK = math.radians(10.0)  # largest bank command of the law that tracks the line, of the same autopilot
 
 
 class Vector(NamedTuple):
@@ -57,6 +60,7 @@ class VectoredState(NamedTuple):
     flown: ApproachState
     began: float  # s, when the first heading was given
     captured: float  # s, when the law would first have turned in; infinite until then
+    tracking: bool  # the capture is complete
 
 
 @dataclass(frozen=True)
@@ -64,11 +68,14 @@ class Vectored:
     """Headings held one after another, and the approach from where its law takes over.
 
     ``after`` is what flies then: the approach, or one that is left again. ``late`` (s) is how long after the law's own
-    criterion it is engaged.
+    criterion it is engaged. Autopilots capture a localiser by one law and track it by another, stiffer one, with less
+    bank: ``tracking`` flies once the law has been engaged for `CAPTURE_TIME`, the aircraft is on the line, and less than
+    `CAPTURE_BANK` is asked for.
     """
 
     approach: Approach
     after: Approach | Departing
+    tracking: Approach | Departing
     vectors: tuple[Vector, ...]
     late: float = 0.0
     held: tuple[tuple[float, Approach], ...] = dataclasses.field(init=False, repr=False, compare=False)
@@ -96,7 +103,7 @@ class Vectored:
 
     def begin(self, state: AircraftState, leg: int = 0) -> VectoredState:
         """On the first heading."""
-        return VectoredState(VECTORS, leg, "", self.approach.begin(state, leg), state.time, math.inf)
+        return VectoredState(VECTORS, leg, "", self.approach.begin(state, leg), state.time, math.inf, False)
 
     def step(self, s: VectoredState, state: AircraftState, dt: float) -> tuple[VectoredState, Command]:
         """Command for the next ``dt`` seconds, of the heading or of the law."""
@@ -107,16 +114,18 @@ class Vectored:
             and captures(self.approach.law, self.approach.deviation(s.leg, state), self.vectors[-1].heading)
         ):
             captured = state.time
-        engaged = state.time >= captured + self.late
-        flown: Approach | Departing = self.after
-        if not engaged:
+        engaged = state.time - captured - self.late  # s, below 0 until then
+        is_captured = engaged >= CAPTURE_TIME and abs(s.flown.bank) < CAPTURE_BANK and s.flown.phase not in TURNING
+        tracking = s.tracking or is_captured
+        flown = self.tracking if tracking else self.after
+        if engaged < 0.0:
             flown = next(one for since, one in reversed(self.held) if state.time - s.began >= since)
         inner, command = flown.step(s.flown, state, dt)
         phase = inner.phase
-        if not engaged:
-            return VectoredState(VECTORS, inner.leg, "", inner._replace(finished=""), s.began, captured), command
+        if engaged < 0.0:
+            return VectoredState(VECTORS, inner.leg, "", inner._replace(finished=""), s.began, captured, False), command
         return VectoredState(
-            CAPTURE if phase in TURNING else phase, inner.leg, inner.finished, inner, s.began, captured
+            CAPTURE if phase in TURNING else phase, inner.leg, inner.finished, inner, s.began, captured, tracking
         ), command
 
 

@@ -104,7 +104,9 @@ class Prepared:
         flown = departures.controller(self.autopilot, self.law_called, self.scenario.departures)
         table = self.scenario.route
         if isinstance(table, VectoredTable):
-            return vectoring.vectored(self.scenario, table, self.autopilot, flown)
+            tracking = vectoring.tracking(self.scenario, self.designed, self.autopilot)
+            tracked = departures.controller(tracking, self.law_called, self.scenario.departures)
+            return vectoring.vectored(self.scenario, table, self.autopilot, flown, tracked)
         return flown
 
     @property

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any
 
 import numpy as np
 
 from autopilot.approach import Approach
+from autopilot.design import Designed
+from autopilot.mode import DesignCase
 from autopilot.route import Leg, Route
-from autopilot.vectored import Vector, Vectored, heading_of, way
+from autopilot.vectored import TRACKING_BANK, Vector, Vectored, heading_of, way
 from sim.scenario.arrivals.vectored import VectoredTable
 from sim.scenario.model import Scenario
 
@@ -81,9 +84,18 @@ def schedule(table: VectoredTable) -> tuple[tuple[float, float], ...]:
     return ((math.inf, table.speed), *((one.distance, one.speed) for one in table.speeds))
 
 
-def vectored(scenario: Scenario, table: VectoredTable, approach: Approach, after: Any) -> Vectored:
-    """The autopilot that holds the headings; ``after`` flies from where the law takes over."""
-    return Vectored(approach, after, vectors(scenario, table), table.arm_late)
+def vectored(scenario: Scenario, table: VectoredTable, approach: Approach, after: Any, tracking: Any) -> Vectored:
+    """The autopilot that holds the headings; ``after`` flies from where the law takes over, then ``tracking``."""
+    return Vectored(approach, after, tracking, vectors(scenario, table), table.arm_late)
+
+
+def tracking(scenario: Scenario, gains: Designed, approach: Approach) -> Approach:
+    """The approach under the law that tracks the line once it is captured: of the same mode, as the aircraft's own
+    design makes it, whatever the law of the capture is."""
+    limit = min(TRACKING_BANK, approach.law.bank_limit)
+    speed = max(speed for _, speed, _ in scenario.route.levels)
+    case = DesignCase(limit, gains.bank_bandwidth, speed, gains.k1, gains.k2, gains.cross_track_limit)
+    return dataclasses.replace(approach, law=scenario.modes[scenario.mode].designed({}, case))
 
 
 def _wind(scenario: Scenario, table: VectoredTable) -> tuple[float, float]:
