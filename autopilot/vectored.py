@@ -69,8 +69,8 @@ class Vectored:
 
     ``after`` is what flies then: the approach, or one that is left again. ``late`` (s) is how long after the law's own
     criterion it is engaged. Autopilots capture a localiser by one law and track it by another, stiffer one, with less
-    bank: ``tracking`` flies once the law has been engaged for `CAPTURE_TIME`, the aircraft is on the line, and less than
-    `CAPTURE_BANK` is asked for.
+    bank: ``tracking`` flies once the law has been engaged for `CAPTURE_TIME`, the aircraft is on the line and the bank
+    command is below `CAPTURE_BANK`.
     """
 
     approach: Approach
@@ -81,13 +81,16 @@ class Vectored:
     held: tuple[tuple[float, Approach], ...] = dataclasses.field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Until the law takes over nothing descends or ends, and the schedule of speeds counts on the last heading."""
+        """Until the law takes over nothing descends or ends, and the schedule of speeds counts on the last heading.
+
+        The lag of the bank is one of the capture: headings are held, and the line is tracked, without it.
+        """
         speed, limit = self.approach.route.legs[-1].speed, self.approach.law.bank_limit
         since, held = 0.0, []
         for number, vector in enumerate(self.vectors):
             flown = self.approach if number + 1 == len(self.vectors) else self._unscheduled
             law = HeldHeading(vector.heading, speed, limit)
-            held.append((since, dataclasses.replace(flown, law=law, landing=None)))
+            held.append((since, dataclasses.replace(flown, law=law, landing=None, bank_lag=0.0)))
             since += vector.time
         object.__setattr__(self, "held", tuple(held))
 

@@ -91,11 +91,11 @@ def vectored(scenario: Scenario, table: VectoredTable, approach: Approach, after
 
 def tracking(scenario: Scenario, gains: Designed, approach: Approach) -> Approach:
     """The approach under the law that tracks the line once it is captured: of the same mode, as the aircraft's own
-    design makes it, whatever the law of the capture is."""
+    design makes it, whatever law and lag the capture has."""
     limit = min(TRACKING_BANK, approach.law.bank_limit)
     speed = max(speed for _, speed, _ in scenario.route.levels)
     case = DesignCase(limit, gains.bank_bandwidth, speed, gains.k1, gains.k2, gains.cross_track_limit)
-    return dataclasses.replace(approach, law=scenario.modes[scenario.mode].designed({}, case))
+    return dataclasses.replace(approach, law=scenario.modes[scenario.mode].designed({}, case), bank_lag=0.0)
 
 
 def _wind(scenario: Scenario, table: VectoredTable) -> tuple[float, float]:
