@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
 from aircraft.state import STANDARD_GRAVITY, AircraftState, Command
-from autopilot.approach import CAPTURE, TURNING, VECTORS, Approach, ApproachState
+from autopilot.approach import CAPTURE, TURNING, VECTORS, Approach, ApproachState, established
 from autopilot.departure import Departing
 from autopilot.route import PathDeviation, Route
 from autopilot.saturation import saturate
@@ -114,12 +114,15 @@ class Vectored:
         if (
             math.isinf(captured)
             and state.time - s.began >= self.held[-1][0]
-            and captures(self.approach.law, self.approach.deviation(s.leg, state), self.vectors[-1].heading)
+            and self._captures(self.approach.deviation(s.leg, state))
         ):
             captured = state.time
         engaged = state.time - captured - self.late  # s, below 0 until then
-        is_captured = engaged >= CAPTURE_TIME and abs(s.flown.bank) < CAPTURE_BANK and s.flown.phase not in TURNING
-        tracking = s.tracking or is_captured
+        tracking = s.tracking or (
+            engaged >= CAPTURE_TIME
+            and abs(s.flown.bank) < CAPTURE_BANK
+            and established(self.approach.deviation(s.leg, state))
+        )
         flown = self.tracking if tracking else self.after
         if engaged < 0.0:
             flown = next(one for since, one in reversed(self.held) if state.time - s.began >= since)
@@ -130,6 +133,12 @@ class Vectored:
         return VectoredState(
             CAPTURE if phase in TURNING else phase, inner.leg, inner.finished, inner, s.began, captured, tracking
         ), command
+
+    def _captures(self, deviation: PathDeviation) -> bool:
+        """Whether the law turns in, on a line that it sees."""
+        landing = self.approach.landing
+        sees = landing is None or landing.sees_line(deviation.cross_track, deviation.distance_to_go)
+        return sees and captures(self.approach.law, deviation, self.vectors[-1].heading)
 
 
 def captures(law: Any, deviation: PathDeviation, heading: float) -> bool:
@@ -170,6 +179,17 @@ def way(
             along.append(along[-1] + (airspeed * math.cos(heading) + wind[0]) * dt)
             across.append(across[-1] + (airspeed * math.sin(heading) + wind[1]) * dt)
     return along, across
+
+
+def turn_time(angle: float, airspeed: float, bank_limit: float, roll_rate_limit: float) -> float:
+    """Time, s, in which `HeldHeading` turns by an angle (rad) but for `ON_HEADING`, as `way` flies it: at the bank
+    limit, until the error is one that fades."""
+    most = STANDARD_GRAVITY * math.tan(bank_limit) / airspeed
+    fading, left = most * HEADING_TIME, abs(angle)
+    if left <= ON_HEADING:
+        return 0.0
+    fade = HEADING_TIME * math.log(max(min(left, fading) / ON_HEADING, 1.0))
+    return bank_limit / (2.0 * roll_rate_limit) + max(left - max(fading, ON_HEADING), 0.0) / most + fade
 
 
 def heading_of(course: float, airspeed: float, wind: tuple[float, float]) -> float:

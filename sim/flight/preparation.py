@@ -366,6 +366,7 @@ def _configuration(scenario: Scenario, aircraft: AircraftData) -> tuple[float, L
         stall_speed=stall,
         flaps=full,
         glide_path=glide_path,
+        localiser=vectoring.localiser(scenario) if isinstance(table, VectoredTable) else None,
         wheel_height=aircraft.height_of_wheels,
         lowest_pitch=aircraft.lowest_touchdown_pitch,
         highest_pitch=aircraft.highest_touchdown_pitch,
