@@ -133,7 +133,7 @@ class Approach:
         if not 0 <= leg < len(self.route.legs):
             raise ValueError(f"the route has the legs 0 to {len(self.route.legs) - 1}, not {leg}")
         deviation = self.deviation(leg, state)
-        phase = _phase_of(leg, self.route, LEG_PHASE, DOWNWIND) if _established(deviation) else INTERCEPT
+        phase = _phase_of(leg, self.route, LEG_PHASE, DOWNWIND) if established(deviation) else INTERCEPT
         bank = math.remainder(state.bank, math.tau)
         crab, gate = deviation.heading_error, (self.landing or Landing()).gate.begin()
         return ApproachState(phase, leg, bank, state.airspeed, state.height, 0.0, crab, 0.0, gate, state.height, "")
@@ -154,7 +154,7 @@ class Approach:
         if to_go < self._reach[leg]:
             leg, phase, deviation = self._sequenced(leg, phase, deviation, state)
             to_go = deviation.distance_to_go
-        if phase in TURNING and _established(deviation):
+        if phase in TURNING and established(deviation):
             phase = _phase_of(leg, self.route, LEG_PHASE, DOWNWIND)
         if leg == len(legs) - 1:
             if landing is not None:
@@ -213,8 +213,8 @@ class Approach:
         gate = s.gate
         if phase <= FINAL:
             if deviation.distance_to_go < self._glide_entry:
-                near = abs(deviation.cross_track) < landing.capture_cross_track
-                phase = GLIDE if near and phase == FINAL else GO_AROUND
+                near = landing.may_descend(deviation.cross_track, deviation.distance_to_go, phase == FINAL)
+                phase = GLIDE if near else GO_AROUND
             return phase, gate, state.height, s.finished
         if phase == GLIDE:
             if landing.flare_begins(state.height - landing.wheel_height, -s.climb_rate):
@@ -317,7 +317,8 @@ class Approach:
         return bank + landing.sideslip_bank * sideslip if phase != GROUND else 0.0, sideslip, crab, aligned
 
 
-def _established(deviation: PathDeviation) -> bool:
+def established(deviation: PathDeviation) -> bool:
+    """Whether an aircraft is on its leg: a turn onto it, or an intercept, is over."""
     return bool(abs(deviation.track_error) < ESTABLISHED_TRACK and abs(deviation.cross_track) < ESTABLISHED_CROSS_TRACK)
 
 

@@ -168,12 +168,13 @@ def _vectors(prepared: Prepared) -> list[str]:
     scenario, route = prepared.scenario, prepared.scenario.route
     if not isinstance(route, VectoredTable):
         return []
+    last = vectoring.vectors(scenario, route)[-1].time
     rows = [("vector from s on", "course deg", "heading deg", "to the final deg"), *vectoring.in_words(scenario, route)]
     speeds = ", ".join(f"{speed:.1f} m/s {where}" for where, speed, _ in route.levels)
     return [
         "\n".join(table(rows, 0))
         + f"\nfrom the {'left' if route.sign > 0.0 else 'right'}; the last heading is to meet the extended centreline "
-        f"{vectoring.met(scenario, route):.0f} m before the aiming point, {route.last_vector:.0f} s after it is given; "
+        f"{vectoring.met(scenario, route):.0f} m before the aiming point, {last:.0f} s after it is given; "
         f"the law takes over {route.arm_late:.1f} s after it would turn in\ntrue airspeed: {speeds}"
     ]
 

@@ -205,7 +205,7 @@ LINES = (
     (["explain", "an26_pattern", "--bode", "loop.png"], "name it NAME.svg"),
     (["explain", "short.toml", "--set", "wind=3"], "must be a table"),
     (["export"], "missing argument"),
-    (["export", "folder"], "say what: --csv, --parquet, --tracks or --jsbsim"),
+    (["export", "folder"], "say what: --csv, --parquet, --tracks, --asterix or --jsbsim"),
     (["export", "no_such", "--jsbsim", "root"], "no scenario"),
     (["export", "an26_turbulence", "--jsbsim", "root"], "its turbulence is drawn in Python"),
     (["export", "an26_pattern", "--jsbsim", "root", "--csv"], "--jsbsim DIR goes alone"),

@@ -12,6 +12,7 @@ from autopilot.landing import REFERENCE_MARGIN, Landing
 from autopilot.stabilised_gate import StabilisedGate
 from sim.flight.airspeeds import MANOEUVRE_MARGIN, least_approach_speed, level_speeds, remarks
 from sim.flight.preparing.aircraft import airframe_of
+from sim.flight.routes.kinds import route_kind
 from sim.scenario.model import Scenario
 
 SINK_MARGIN = 1.2  # of the gate over the sink of a fast approach, which is briefed for more than 1000 ft/min [FSF ALAR]
@@ -40,6 +41,7 @@ def configured(scenario: Scenario, aircraft: AircraftData) -> tuple[float, Landi
         stall_speed=stall,
         flaps=full,
         glide_path=glide_path,
+        localiser=route_kind(scenario).localiser,
         wheel_height=aircraft.height_of_wheels,
         lowest_pitch=aircraft.lowest_touchdown_pitch,
         highest_pitch=aircraft.highest_touchdown_pitch,

@@ -63,7 +63,9 @@ class Prepared:
         leaving = functools.partial(
             departures.controller, law_called=self.law_called, departures=self.scenario.departures
         )
-        controller: Approach | Departing | Vectored = route_kind(self.scenario).controller(self.autopilot, leaving)
+        controller: Approach | Departing | Vectored = route_kind(self.scenario).controller(
+            self.autopilot, self.designed, leaving
+        )
         return controller
 
     @property

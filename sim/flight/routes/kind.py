@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 from autopilot.approach import Approach
+from autopilot.design import Designed
 from autopilot.landing import Landing
 from autopilot.route import Route
 from sim.flight.vehicles import Initial
@@ -33,6 +34,11 @@ class RouteKind(Protocol):
         """(m to go on the last leg, m/s from there on) of speeds that are no leg's; empty = each leg has its own."""
         ...
 
+    @property
+    def localiser(self) -> float | None:
+        """Where the antenna stands whose line is captured, m behind the aiming point; None = half scale is a length."""
+        ...
+
     def offset(self, route: Route) -> float:
         """The largest distance, m, from which a leg is approached under the law."""
         ...
@@ -51,7 +57,7 @@ class RouteKind(Protocol):
         """
         ...
 
-    def controller(self, approach: Approach, leaving: Callable[[Approach], Any]) -> Any:
+    def controller(self, approach: Approach, gains: Designed, leaving: Callable[[Approach], Any]) -> Any:
         """What flies: the approach as its crew leaves it, and what is flown before it. An autopilot, as `Approach`."""
         ...
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from autopilot.approach import Approach
+from autopilot.design import Designed
 from autopilot.landing import Landing
 from autopilot.route import Leg, Route
 from sim.flight.routes.kind import Decelerations, wind_of_turns
@@ -38,6 +39,11 @@ class StraightLegs:
         """Those of the legs."""
         return ()
 
+    @property
+    def localiser(self) -> float | None:
+        """None."""
+        return None
+
     def offset(self, route: Route) -> float:
         """Of a single leg that of the start; a turn leads to others from anywhere."""
         return abs(self.scenario.start.cross_track) if len(route.legs) == 1 else math.inf
@@ -50,7 +56,7 @@ class StraightLegs:
         """On the leg."""
         return on_leg
 
-    def controller(self, approach: Approach, leaving: Callable[[Approach], Any]) -> Any:
+    def controller(self, approach: Approach, gains: Designed, leaving: Callable[[Approach], Any]) -> Any:
         """The approach."""
         return leaving(approach)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from autopilot.approach import Approach
+from autopilot.design import Designed
 from autopilot.landing import REFERENCE_MARGIN, Landing
 from autopilot.route import Route, pattern_route
 from sim.flight.airspeeds import REFERENCE_ADDITION
@@ -63,6 +64,11 @@ class LandingPattern:
         """Those of the legs."""
         return ()
 
+    @property
+    def localiser(self) -> float | None:
+        """None."""
+        return None
+
     def offset(self, route: Route) -> float:
         """Unlimited: a turn leads to a leg from anywhere."""
         return math.inf
@@ -80,6 +86,6 @@ class LandingPattern:
         """On the leg."""
         return on_leg
 
-    def controller(self, approach: Approach, leaving: Callable[[Approach], Any]) -> Any:
+    def controller(self, approach: Approach, gains: Designed, leaving: Callable[[Approach], Any]) -> Any:
         """The approach."""
         return leaving(approach)

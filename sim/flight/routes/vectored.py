@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from autopilot.approach import Approach
+from autopilot.design import Designed
 from autopilot.landing import REFERENCE_MARGIN, Landing
 from autopilot.route import Route
 from sim.flight.airspeeds import REFERENCE_ADDITION, extremes
@@ -47,6 +48,11 @@ class VectoredFinal:
         """The schedule of the table."""
         return vectoring.schedule(self.table)
 
+    @property
+    def localiser(self) -> float | None:
+        """That of the autopilot's receiver."""
+        return vectoring.localiser(self.scenario)
+
     def offset(self, route: Route) -> float:
         """None: the law captures where it turns in already, there is nothing from which it could orbit."""
         return 0.0
@@ -61,6 +67,7 @@ class VectoredFinal:
         begun = level._replace(north=north, east=east) if self.scenario.start.distance is None else on_leg
         return begun._replace(course=course, airspeed=self.table.speed)
 
-    def controller(self, approach: Approach, leaving: Callable[[Approach], Any]) -> Any:
-        """The headings, and from where the law takes over the approach."""
-        return vectoring.vectored(self.scenario, self.table, approach, leaving(approach))
+    def controller(self, approach: Approach, gains: Designed, leaving: Callable[[Approach], Any]) -> Any:
+        """The headings, from where the law takes over the approach, and once it is captured that which tracks it."""
+        tracking = leaving(vectoring.tracking(self.scenario, gains, approach))
+        return vectoring.vectored(self.scenario, self.table, approach, leaving(approach), tracking)

@@ -234,7 +234,7 @@ def test_a_sensor_that_saw_nothing_leaves_an_empty_file(flown, tmp_path):
         (("--pcap",), "--pcap and --draw go with --asterix"),
         (("--asterix", "--csv"), "--asterix goes with --pcap, --draw and --date alone"),
         (("--date", "2026-01-01"), "--date with that or --asterix"),
-        ((), "say what: --csv, --parquet, --tracks or --asterix"),
+        ((), "say what: --csv, --parquet, --tracks, --asterix or --jsbsim"),
     ],
 )
 def test_options_that_do_not_go_together_are_told(folder, command, options, said):
