@@ -1,0 +1,35 @@
+"""Docstrings as the reference shows them: what stands behind the name of a parameter are words, its type is annotated.
+
+The builder of the site loads this file by its path and looks for an extension of griffe in it.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import griffe
+
+SECTION = re.compile(r"^Parameters\n-+\n(?P<entries>.*?)(?P<rest>^(?:Raises|Returns) |\Z)", re.MULTILINE | re.DOTALL)
+ENTRY = re.compile(r"^(?P<name>[\w*, ]+) : (?P<words>.*)$", re.MULTILINE)
+
+
+def with_words(docstring: str) -> str:
+    """Parameters with their words on a line of their own; a sentence about errors behind them is no parameter."""
+
+    def section(found: re.Match[str]) -> str:
+        entries = ENTRY.sub(r"\g<name>\n    \g<words>", found["entries"])
+        # what follows a section without being in it needs a section that is none
+        rest = f"Notes\n-----\n{found['rest']}" if found["rest"] else ""
+        return f"Parameters\n----------\n{entries}{rest}"
+
+    return SECTION.sub(section, docstring)
+
+
+class Words(griffe.Extension):
+    """Rewrites each docstring before it is read."""
+
+    def on_object(self, *, obj: griffe.Object, **_: Any) -> None:
+        """Called by griffe for each object that it has loaded."""
+        if obj.docstring is not None:
+            obj.docstring.value = with_words(obj.docstring.value)
