@@ -43,6 +43,20 @@ def without_files(page: str) -> str:
     return re.sub(r"\[([^\]]+)\]\((?:\.\./)*(?:CITATION\.cff|LICENSE|NOTICE)\)", r"\1", page)
 
 
+def with_language(page: str) -> str:
+    """The page with what a terminal shows marked as text, whose long lines the site folds."""
+    inside, lines = False, []
+    for line in page.split("\n"):
+        lines.append("```text" if line == "```" and not inside else line)
+        inside ^= line.startswith("```")
+    return "\n".join(lines)
+
+
+def finished(page: str) -> str:
+    """A page with everything in it that only the site has."""
+    return mathml.with_formulas(with_language(sources.relinked(without_files(page), ROOT)))
+
+
 def pages() -> dict[str, str]:
     """Every page by its path on the site."""
     found = {to: from_root((ROOT / name).read_text(encoding="utf-8")) for name, to in OUTSIDE.items()}
@@ -54,7 +68,7 @@ def pages() -> dict[str, str]:
     for name in [name for name in found if name.startswith("tutorials/")]:
         found[name] = notebooks.with_offer(found[name], Path(name).stem)
     code = set().union(*(sources.linked(page) for page in found.values()))
-    found = {name: mathml.with_formulas(sources.relinked(without_files(page), ROOT)) for name, page in found.items()}
+    found = {name: finished(page) for name, page in found.items()}
     return found | {
         f"{sources.FOLDER}/{file.removesuffix('.py')}.md": sources.source_page(ROOT, file) for file in sorted(code)
     }

@@ -10,18 +10,16 @@ from typing import Any
 
 import griffe
 
-SECTION = re.compile(r"^Parameters\n-+\n(?P<entries>.*?)(?P<rest>^(?:Raises|Returns) |\Z)", re.MULTILINE | re.DOTALL)
+SECTION = re.compile(r"^Parameters\n-+\n(?P<entries>.*?)(?P<rest>^(?:Raises|Returns) .*|\Z)", re.MULTILINE | re.DOTALL)
 ENTRY = re.compile(r"^(?P<name>[\w*, ]+) : (?P<words>.*)$", re.MULTILINE)
 
 
 def with_words(docstring: str) -> str:
-    """Parameters with their words on a line of their own; a sentence about errors behind them is no parameter."""
+    """Parameters with their words on a line of their own; a sentence about errors behind them goes before them."""
 
     def section(found: re.Match[str]) -> str:
         entries = ENTRY.sub(r"\g<name>\n    \g<words>", found["entries"])
-        # what follows a section without being in it needs a section that is none
-        rest = f"Notes\n-----\n{found['rest']}" if found["rest"] else ""
-        return f"Parameters\n----------\n{entries}{rest}"
+        return f"{found['rest']}\n\nParameters\n----------\n{entries}"
 
     return SECTION.sub(section, docstring)
 

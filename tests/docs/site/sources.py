@@ -10,6 +10,7 @@ LINK = re.compile(
     r"\[`(?P<words>[^`\]]+)`\]\((?P<up>(?:\.\./)+)(?P<file>(?:aircraft|autopilot|tracking|sim)/[\w/]+\.py)\)"
 )
 FOLDER = "source"
+HEAD = "---\nsearch:\n  exclude: true\nhide:\n  - navigation\n---\n\n"
 
 
 def linked(page: str) -> set[str]:
