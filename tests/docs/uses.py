@@ -1,9 +1,9 @@
 """What README.md and docs show of the command line: ``make uses`` runs it and renews transcripts and figures.
 
-A page is run from top to bottom in one empty folder. A block behind ``<!-- file: NAME -->`` is a file of that folder, one
-behind ``<!-- transcript: NAME -->`` the commands behind its ``$`` with what they print (``until: WORD`` in the comment
-ends it before the line that begins so), and a picture behind ``<!-- chart: REPORT: TITLE -->`` is that chart of a report
-which the commands have written, kept in docs/figures.
+A page is run from top to bottom in one empty folder. A block behind ``<!-- file: NAME -->`` is a file of that folder.
+One behind ``<!-- transcript: NAME -->`` has commands behind its ``$`` and what they print; ``until: WORD`` in the
+comment ends it before the line that begins so. A picture behind ``<!-- chart: REPORT: TITLE -->`` is that chart of a
+report which the commands have written, kept in docs/figures.
 """
 
 from __future__ import annotations

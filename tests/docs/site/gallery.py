@@ -76,8 +76,8 @@ FIGURES = {
 }
 HEAD = """# Gallery
 
-Every scenario that is bundled, with one figure of its report; `make gallery` flies them and draws this page. A name runs
-it, with its whole report: `shortfinal run an26_gust -o out/gust`.
+Every scenario that is bundled, with one figure of its report; `make gallery` flies them and draws this page. A name
+runs it, with its whole report: `shortfinal run an26_gust -o out/gust`.
 """
 
 
