@@ -109,7 +109,8 @@ def page() -> str:
         )
         parts.append(f'\n## {title}\n\n<div class="gallery">\n{"".join(figures)}</div>\n')
     studies = "".join(f"| `{name}` | {about(name)} |\n" for name in catalogue.studies())
-    parts.append(f"\n## Studies\n\n`shortfinal study NAME` flies one.\n\n| name | what it asks |\n|---|---|\n{studies}")
+    parts.append("\n## Studies\n\n`shortfinal study gain_map -o out/gain_map` flies one.\n\n")
+    parts.append(f"| name | what it asks |\n|---|---|\n{studies}")
     return "".join(parts)
 
 

@@ -16,7 +16,6 @@ ROOT = Path(__file__).resolve().parents[3]
 TUTORIALS = ROOT / "docs" / "tutorials"
 CODE = re.compile(r"^```python\n(?P<code>.*?)^```\n(?:\n```text\n(?P<shown>.*?)^```\n)?", re.MULTILINE | re.DOTALL)
 PICTURE = re.compile(r"!\[(?P<words>[^\]]*)\]\((?P<file>[^)]+\.svg)\)")
-SETTINGS = "matplotlibrc"  # how the figures of the pages look
 Cell = dict[str, Any]
 
 
