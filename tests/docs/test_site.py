@@ -102,8 +102,7 @@ def test_a_notebook_has_the_code_and_the_figures_of_its_page(name):
     made, text = notebooks.notebook(page), page.read_text(encoding="utf-8")
     blocks = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     code = ["".join(cell["source"]) for cell in made["cells"] if cell["cell_type"] == "code"]
-    assert code == [block.strip("
-") for block in blocks]
+    assert code == [block.strip("\n") for block in blocks]
     attached = {name for cell in made["cells"] for name in cell.get("attachments", {})}
     assert attached == {Path(found).name for found in re.findall(r"\]\(([^)]+\.svg)\)", text)}
 
