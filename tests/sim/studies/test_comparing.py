@@ -195,10 +195,10 @@ def test_what_cannot_be_compared_is_one_sentence(tmp_path):
 
 def test_studies_are_compared_cell_by_cell_and_not_with_others(tmp_path):
     """By the cross-track limit, which acts in the cell that begins beyond it and not in the one that begins on it."""
-    for name, limit, offsets in (("a", 300, [0, 400]), ("b", 350, [0, 400]), ("c", 300, [0, 200])):
+    for name, limit, offsets in (("a", 300, [0, 600]), ("b", 350, [0, 600]), ("c", 300, [0, 200])):
         autopilot, axes = {"law": {"cross_track_limit_m": limit}}, {"axes": {"start.cross_track_m": offsets}}
         wind = {"from_deg": 90, "turbulence": "light"}
-        tables = {**CAPTURE, "name": "line", "until_s": 8.0, "flights": 8, "autopilot": autopilot, "wind": wind}
+        tables = {**CAPTURE, "name": "line", "until_s": 12.0, "flights": 8, "autopilot": autopilot, "wind": wind}
         studies.study({**tables, "study": axes}, tmp_path / name, Inline())
     found = compare(tmp_path / "a", tmp_path / "b")
     assert found.is_paired
