@@ -431,8 +431,8 @@ def explain(
 def schema(plugins: Plugins = None) -> None:
     """Print the JSON Schema of a scenario file."""
     from sim.metrics.checks import with_examples
+    from sim.scenario.editors.json_schema import schema as made
     from sim.scenario.plugins import catalogue_with
-    from sim.scenario.schema import schema as made
 
     typer.echo(json.dumps(with_examples(made(catalogue_with(plugins or ()))), indent=1))
 
