@@ -72,7 +72,7 @@ def run(page: Path, folder: Path) -> Made:
 def output(command: str, folder: Path) -> str:
     """What a terminal of 100 columns shows of a command; a check or a test may fail."""
     environment = {
-        **os.environ,
+        **{name: value for name, value in os.environ.items() if not name.startswith("PYTEST_XDIST")},
         "COLUMNS": "100",
         "OPENBLAS_NUM_THREADS": "1",
         "PYTHONPATH": str(ROOT),

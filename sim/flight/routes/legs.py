@@ -39,11 +39,6 @@ class StraightLegs:
         """Those of the legs."""
         return ()
 
-    @property
-    def localiser(self) -> float | None:
-        """None."""
-        return None
-
     def offset(self, route: Route) -> float:
         """Of a single leg that of the start; a turn leads to others from anywhere."""
         return abs(self.scenario.start.cross_track) if len(route.legs) == 1 else math.inf
@@ -55,6 +50,11 @@ class StraightLegs:
     def begins(self, on_leg: Initial, level: Initial) -> Initial:
         """On the leg."""
         return on_leg
+
+    @property
+    def localiser(self) -> float | None:
+        """None: it leads to no runway."""
+        return None
 
     def controller(self, approach: Approach, gains: Designed, leaving: Callable[[Approach], Any]) -> Any:
         """The approach."""

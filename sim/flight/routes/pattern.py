@@ -66,7 +66,7 @@ class LandingPattern:
 
     @property
     def localiser(self) -> float | None:
-        """None."""
+        """None: its final is flown by the route."""
         return None
 
     def offset(self, route: Route) -> float:

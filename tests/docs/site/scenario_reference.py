@@ -7,9 +7,9 @@ from typing import Any
 
 from sim.scenario import catalogue, tables
 from sim.scenario.arrivals import navigation, vectored
+from sim.scenario.editors.json_schema import schema
 from sim.scenario.messages import stem
 from sim.scenario.recording import table as record
-from sim.scenario.schema import schema
 
 HEAD = """# Scenario reference
 
@@ -44,15 +44,13 @@ def reference(root: Schema | None = None) -> str:
 
 def _inner(root: Schema, value: Schema) -> tuple[str, list[str]]:
     """How the tables of a key are written, and the names of their definitions; none where it holds no table."""
-    choices = [one for one in value.get("anyOf", [value]) if one.get("type") != "null"]
     shape = "[{}]"
-    if len(choices) == 1:
-        (value,) = choices
     if value.get("type") == "array" and isinstance(value.get("items"), dict):
         value, shape = value["items"], "[[{}]]"
     elif isinstance(value.get("additionalProperties"), dict):
         value, shape = value["additionalProperties"], "[{}.NAME]"
-    named = [one["$ref"].rsplit("/", 1)[1] for one in value.get("oneOf", [value]) if "$ref" in one]
+    kinds = [one["then"] for one in value.get("allOf", []) if "then" in one]  # a table with kinds
+    named = [one["$ref"].rsplit("/", 1)[1] for one in kinds or [value] if "$ref" in one]
     return shape, named
 
 
