@@ -4,13 +4,15 @@ BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help demo test test-oldest lint acceptance tutorials uses extending densities bench soak fleet clean
+.PHONY: help demo test test-oldest lint acceptance docs gallery tutorials uses extending densities bench soak fleet clean
 
 help:
 	@echo "make demo        fly the bundled An-26 approach and write its report"
 	@echo "make test        lint and run the tests"
 	@echo "make test-oldest  the same in part, with the lowest versions that pyproject.toml allows"
 	@echo "make acceptance  measure every required figure at full size"
+	@echo "make docs        build the documents as a site into out/docs, notebooks of the tutorials too"
+	@echo "make gallery     fly every bundled scenario and renew the pictures of docs/gallery.md"
 	@echo "make tutorials   run the tutorials and renew what they print and draw"
 	@echo "make uses        run what README and docs show and renew transcripts and figures"
 	@echo "make extending   renew the files that docs/extending.md quotes"
@@ -61,8 +63,20 @@ lint: .venv/ready
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-acceptance: .venv/ready
+acceptance: .venv/docs-ready
 	ANEW=1 $(BIN)/python -m pytest -m acceptance -s tests/acceptance
+
+.venv/docs-ready: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	touch $@
+
+docs: .venv/docs-ready
+	$(BIN)/python -m tests.docs.site.assemble
+	$(BIN)/zensical build --clean --strict
+	@echo $(CURDIR)/out/docs/index.html
+
+gallery: .venv/ready
+	$(BIN)/python -m tests.docs.site.gallery
 
 tutorials: .venv/ready
 	$(BIN)/python tests/docs/tutorials.py

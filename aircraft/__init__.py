@@ -4,7 +4,8 @@
 - ``model_files``, ``safe_xml``, ``repairs``, ``loading``: from somebody's model to one that can be flown here;
   ``data``, ``stock``, ``landing_gear``, ``runway``: what is known besides; ``identity``: a digest of all that;
   ``models``: aircraft of our own, made by ``handbook``
-- ``executive``, ``properties``, ``power_plant``, ``airframe``: JSBSim for one flight; ``point_mass``: the papers' own
+- ``executive``, ``properties``, ``link``, ``power_plant``, ``airframe``: JSBSim for one flight; ``point_mass``: that of
+  the papers
 - ``trim``, ``minimum_speed``, ``slowest``, ``linearise``, ``modes``, ``actuators``: what is computed from an airframe
 - ``air``: density, temperature, pressure; ``wind``, ``wind_shear``, ``turbulence``, ``turbulence_intensity``: motion of
   the air; ``wind_events``: one file for each kind, ``wind_event`` their contract

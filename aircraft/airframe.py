@@ -21,6 +21,7 @@ from aircraft.data import AircraftData, describe
 from aircraft.errors import FlightError, ModelError
 from aircraft.executive import fresh_executive, put_aside, sentence
 from aircraft.landing_gear import Contact, contacts, reach
+from aircraft.link import HIGHEST_WHEEL, control_writer, state_reader
 from aircraft.power_plant import started
 from aircraft.properties import EARTH_RADIUS, FOOT, getter, node, setter
 from aircraft.runway import Runway
@@ -28,11 +29,9 @@ from aircraft.state import MAIN_WHEEL, AircraftState, Controls, WheelControls
 from aircraft.wind import SteadyWind
 
 FASTEST = 340.0  # m/s; no aircraft of ours comes down faster
-HIGHEST_WHEEL = 30.0  # m; above, no part of any aircraft can touch level ground
 UNTOLD_FLAPS = math.radians(40.0)  # full deflection of a model that gives only its share
 MOTION = slice(AircraftState._fields.index("north"), AircraftState._fields.index("airspeed") + 1)
 ALTITUDE, AIRSPEED = (AircraftState._fields.index(name) for name in ("height", "airspeed"))
-_NEW = tuple.__new__  # an AircraftState from a tuple of its fields at half the time of its own constructor
 
 
 class Wind(Protocol):
@@ -63,6 +62,16 @@ class InitialCondition(NamedTuple):
     yaw_rate: float = 0.0
 
 
+class Wiring(NamedTuple):
+    """The properties by which one model shows its motion and takes its controls, beside those of every model."""
+
+    state: tuple[properties.Property, ...]  # fields of AircraftState up to the sideslip
+    flaps: properties.Property
+    main_wheels: tuple[str, ...]  # properties, 1 on the ground
+    throttles: tuple[str, ...]
+    full_flaps: float  # rad at full command; 0 without flaps
+
+
 class Airframe:
     """One aircraft in flight: ``load`` it, ``begin`` it (again and again until it has moved), then ``step`` it."""
 
@@ -81,6 +90,7 @@ class Airframe:
         self.runway = runway
         self.air = air or Air(runway.elevation)
         self.repairs: tuple[str, ...] = ()  # what the model needed to fly here
+        self.source: model_files.Model | None = None  # what JSBSim was given
         self._executive = executive
         self._run = executive.run
         manager = executive.get_property_manager()
@@ -90,9 +100,9 @@ class Airframe:
                 setter(manager, wanted)(value / wanted.factor)
         self._accelerations = [getter(manager, wanted) for wanted in properties.ACCELERATIONS]
         self._mass = getter(manager, properties.MASS)
+        self._points = points
         self._contacts = [(node(manager, point.node).get_double_value, point.part) for point in points]
         self._main_wheels = [weight for weight, part in self._contacts if part == MAIN_WHEEL]
-        self._main_wheel_count = max(len(self._main_wheels), 1)
         self._first_contact = self._touched = 0
         self._contact = (0.0, 0.0)  # the same as a state shows them
         ground = manager.get_node(properties.GROUND_REACTIONS, False)  # JSBSim 1.3.1 cannot leave them out
@@ -101,8 +111,7 @@ class Airframe:
         self._ground = True  # whether contacts are looked at
         self._elevation = runway.elevation
         self._initial = [(setter(manager, wanted), wanted.factor) for wanted in properties.INITIAL]
-        self._surfaces = [setter(manager, wanted) for wanted in properties.SURFACES]
-        self._throttles = _throttles(manager)
+        self._write = control_writer(manager)
         self._set_flaps = setter(manager, properties.FLAPS_COMMAND)
         self._set_gear = setter(manager, properties.GEAR_COMMAND)
         self._brakes = [setter(manager, wanted) for wanted in properties.BRAKES]
@@ -117,9 +126,11 @@ class Airframe:
         self.full_flaps, flaps, self._flaps_factor = self._full_flaps()
         if has_propellers:
             self._settle = started(executive)
-        self._seen = [getter(manager, wanted) for wanted in (*properties.STATE, *properties.FORCES)]
-        self._seen += [flaps, getter(manager, properties.GEAR)]
-        self._altitude = self._seen[ALTITUDE]
+        self._read = state_reader(manager, flaps, self._flaps_factor, self._main_wheels, self._elevation)
+        self._time, self._latitude, self._longitude, self._altitude = (
+            getter(manager, wanted) for wanted in properties.STATE[: ALTITUDE + 1]
+        )
+        self._airspeed = getter(manager, properties.STATE[AIRSPEED])
 
     @property
     def mass(self) -> float:
@@ -129,6 +140,23 @@ class Airframe:
     def has(self, name: str) -> bool:
         """Whether the model has a property of this name."""
         return self._manager.get_node(name, False) is not None
+
+    @property
+    def wiring(self) -> Wiring:
+        """What is read and written of this model."""
+        share = properties.FLAPS_OF_FULL
+        by_share = self._flaps_factor == UNTOLD_FLAPS
+        throttles: list[str] = []
+        while self.has(name := f"{properties.THROTTLE.name}[{len(throttles)}]"):
+            foreign = properties.FOREIGN_THROTTLE.name.format(len(throttles))
+            throttles.append(foreign if self.has(foreign) else name)
+        return Wiring(
+            properties.STATE,
+            share._replace(factor=UNTOLD_FLAPS) if by_share else properties.FLAPS,
+            tuple(point.node for point in self._points if point.part == MAIN_WHEEL),
+            tuple(throttles),
+            self.full_flaps,
+        )
 
     @property
     def wing_area(self) -> float:
@@ -208,10 +236,9 @@ class Airframe:
                     run()
             else:
                 self._blowing = None
-                time, latitude, longitude = self._seen[:3]
-                began, rate = time(), self.rate
-                position = (latitude() * EARTH_RADIUS, longitude() * EARTH_RADIUS, height)
-                airspeed = self._seen[AIRSPEED]() * FOOT
+                began, rate = self._time(), self.rate
+                position = (self._latitude() * EARTH_RADIUS, self._longitude() * EARTH_RADIUS, height)
+                airspeed = self._airspeed() * FOOT
                 blow, velocity = self._blow, wind.velocity
                 for substep in range(substeps):
                     blow(*velocity(began + substep / rate, position, airspeed))
@@ -239,49 +266,7 @@ class Airframe:
 
     def read(self) -> AircraftState:
         """The state now; raises ``FlightError`` with the last good one when a number is not finite."""
-        time, latitude, longitude, altitude, north, east, down, bank, pitch, heading, p, q, r, *others = self._seen
-        airspeed, equivalent, alpha, beta, forward, right, downward, flaps, gear = others
-        aileron, elevator, rudder, throttle, _, _ = self._controls
-        first_contact, touched = self._contact
-        scale = self._specific_force
-        wheels, height = 0.0, altitude() * FOOT - self._elevation
-        if height < HIGHEST_WHEEL:
-            for wheel in self._main_wheels:
-                wheels += wheel()
-        state = _NEW(
-            AircraftState,
-            (
-                time(),
-                latitude() * EARTH_RADIUS,
-                longitude() * EARTH_RADIUS,
-                height,
-                north() * FOOT,
-                east() * FOOT,
-                -down() * FOOT,
-                bank(),
-                pitch(),
-                heading(),
-                p(),
-                q(),
-                r(),
-                airspeed() * FOOT,
-                equivalent() * FOOT,
-                alpha(),
-                beta(),
-                forward() * scale,
-                right() * scale,
-                downward() * scale,
-                aileron,
-                elevator,
-                rudder,
-                throttle,
-                flaps() * self._flaps_factor,
-                gear(),
-                wheels / self._main_wheel_count,
-                first_contact,
-                touched,
-            ),
-        )
+        state = self._read(self._controls, self._contact, self._specific_force)
         if not math.isfinite(sum(state[MOTION])):
             raise FlightError(f"the motion is not finite at {state.time:.2f} s", state.time, self._last)
         self._last = state
@@ -301,15 +286,9 @@ class Airframe:
     def _command(self, controls: Controls) -> None:
         if controls is self._controls:
             return
-        aileron, elevator, rudder, throttle, flaps, gear = controls
-        set_aileron, set_elevator, set_rudder = self._surfaces
-        set_aileron(aileron)
-        set_elevator(-elevator)
-        set_rudder(-rudder)
-        for set_throttle in self._throttles:
-            set_throttle(throttle)
-        *_, last_flaps, last_gear = self._controls
-        if flaps != last_flaps or gear != last_gear or not self._has_flown:  # levers are moved a few times a flight
+        self._write(controls)
+        levers = flaps, gear = controls[4:]
+        if levers != self._controls[4:] or not self._has_flown:  # they are moved a few times a flight
             self._set_flaps(flaps / self.full_flaps if self.full_flaps else 0.0)
             self._set_gear(gear)
         self._controls = controls
@@ -405,6 +384,7 @@ def _built(
                 continue
             if asked and not repaired:
                 raise ModelError(asked)
+            airframe.source = source
             airframe.repairs = tuple(text for text in (*told, repairs.defined(source)) if text)
             return airframe
 
@@ -416,15 +396,6 @@ def _airframe(source: model_files.Model, executive: Any, *parts: Any) -> Airfram
     except (KeyError, jsbsim.BaseError) as error:
         put_aside(executive, source)
         raise ModelError(f"'{source.name}' cannot be used: {sentence([*map(str, error.args)])}") from None
-
-
-def _throttles(manager: Any) -> list[Any]:
-    """Every power lever that the model has, be it one of FlightGear that the model itself turns into JSBSim's."""
-    found: list[Callable[[float], bool]] = []
-    while (lever := manager.get_node(f"{properties.THROTTLE.name}[{len(found)}]", False)) is not None:
-        foreign = manager.get_node(properties.FOREIGN_THROTTLE.name.format(len(found)), False)
-        found.append((foreign or lever).set_double_value)
-    return found
 
 
 def _body_velocity(initial: InitialCondition, wind_north: float, wind_east: float) -> tuple[float, float, float]:

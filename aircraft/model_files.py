@@ -172,13 +172,14 @@ def private_root(model: Model) -> Iterator[Path]:
         raise ModelError(f"there is no place for a copy of '{model.name}': {error.strerror}") from None
     with place as root:
         try:
-            _write(model, Path(root))
+            write_root(model, Path(root))
         except OSError as error:
             raise ModelError(f"the copy of '{model.name}' cannot be written: {error.strerror}") from None
         yield Path(root)
 
 
-def _write(model: Model, root: Path) -> None:
+def write_root(model: Model, root: Path) -> None:
+    """Write the model as a JSBSim root; raises ``OSError``."""
     home = root / "aircraft" / model.name
     for directory in (home, root / "engine", root / "systems"):
         directory.mkdir(parents=True)

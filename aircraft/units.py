@@ -38,6 +38,38 @@ SUFFIXES: dict[str, tuple[str, float]] = {
     "db": ("dB", 1.0),
 }
 
+WORDS: dict[str, str] = {  # what editors call the unit of a key
+    "m": "metres",
+    "km": "kilometres",
+    "ft": "feet",
+    "nmi": "nautical miles",
+    "s": "seconds",
+    "ms": "milliseconds",
+    "hz": "hertz",
+    "mps": "metres per second",
+    "kmh": "kilometres per hour",
+    "kt": "knots",
+    "fpm": "feet per minute",
+    "fps": "feet per second",
+    "mps2": "metres per second squared",
+    "g": "multiples of standard gravity",
+    "deg": "degrees",
+    "rad": "radians",
+    "degps": "degrees per second",
+    "deg_per_m": "degrees per metre",
+    "deg_per_mps": "degrees per metre per second",
+    "m2ps3": "square metres per second cubed",
+    "deg2ps3": "square degrees per second cubed",
+    "deg2": "square degrees",
+    "kg": "kilograms",
+    "lb": "pounds",
+    "lbf": "pounds force",
+    "n": "newtons",
+    "c": "degrees Celsius",
+    "hpa": "hectopascals",
+    "db": "decibels",
+}
+
 MAGNITUDES: dict[str, tuple[float, float]] = {
     # SI unit: least size of what is not zero, and greatest; a number beyond is a slip of the pen, and ends in overflow
     "m": (1e-6, 1e7),

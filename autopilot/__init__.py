@@ -13,7 +13,8 @@ on; nothing is remembered elsewhere, so the same text of a law also serves track
 - ``rollout``: brakes and steering to a stop after a landing
 - ``inner_loops``: Command -> Controls with the gains of ``design``, which come from the linear model of the aircraft
 - ``analysis``: poles and predictions of the route law, its phase portrait
-- ``route_loop``: its margins; ``estimate_lag``: those on an estimate; ``disk_margin``: those of the inner loops
+- ``route_loop``: its margins; ``linear_systems``: the loops for python-control, with names;
+  ``estimate_lag``: those on an estimate; ``disk_margin``: those of the inner loops
 - ``limit_cycles``, ``describing_functions``, ``cycle_waves``: what the limits of the law sustain; ``swing_margin``: a
   law slow enough for them to sustain nothing
 

@@ -11,7 +11,7 @@ from aircraft.state import AircraftState, Command
 from autopilot.landing import Landing
 from autopilot.route import PathDeviation, Route, pack
 from autopilot.saturation import rate_limit, saturate
-from autopilot.stabilised_gate import FRESH, GateState
+from autopilot.stabilised_gate import GateState
 
 PHASES = (
     *("intercept", "downwind", "base_turn", "base", "final_turn", "final", "glide", "flare", "ground", "go_around"),
@@ -133,10 +133,10 @@ class Approach:
         if not 0 <= leg < len(self.route.legs):
             raise ValueError(f"the route has the legs 0 to {len(self.route.legs) - 1}, not {leg}")
         deviation = self.deviation(leg, state)
-        phase = _phase_of(leg, self.route, LEG_PHASE, DOWNWIND) if _established(deviation) else INTERCEPT
+        phase = _phase_of(leg, self.route, LEG_PHASE, DOWNWIND) if established(deviation) else INTERCEPT
         bank = math.remainder(state.bank, math.tau)
-        crab = deviation.heading_error
-        return ApproachState(phase, leg, bank, state.airspeed, state.height, 0.0, crab, 0.0, FRESH, state.height, "")
+        crab, gate = deviation.heading_error, (self.landing or Landing()).gate.begin()
+        return ApproachState(phase, leg, bank, state.airspeed, state.height, 0.0, crab, 0.0, gate, state.height, "")
 
     def deviation(self, leg: int, state: AircraftState) -> PathDeviation:
         """Deviation of an aircraft from a leg."""
@@ -146,38 +146,39 @@ class Approach:
     def step(self, s: ApproachState, state: AircraftState, dt: float) -> tuple[ApproachState, Command]:
         """Command for the next ``dt`` seconds from what the aircraft does now."""
         phase, leg, bank, airspeed, height, climb_rate, crab, aligned, gate, lowest, finished = s
-        legs, deviation = self.route.legs, self.deviation(leg, state)
+        route, landing = self.route, self.landing
+        legs = route.legs
+        _, north, east, altitude, velocity_north, velocity_east, _, _, _, heading = state[TO_HEADING]
+        deviation = route.deviation_at(leg, north, east, velocity_north, velocity_east, heading)
         to_go = deviation.distance_to_go
         if to_go < self._reach[leg]:
             leg, phase, deviation = self._sequenced(leg, phase, deviation, state)
             to_go = deviation.distance_to_go
-        if phase in TURNING and _established(deviation):
+        if phase in TURNING and established(deviation):
             phase = _phase_of(leg, self.route, LEG_PHASE, DOWNWIND)
         if leg == len(legs) - 1:
-            if self.landing is not None:
-                phase, gate, lowest, finished = self._landing_phase(self.landing, s, phase, state, deviation, dt)
+            if landing is not None:
+                phase, gate, lowest, finished = self._landing_phase(landing, s, phase, state, deviation, dt)
             elif to_go < 0.0:
                 finished = "completed"
 
         slope, level = 0.0, legs[leg].height
         if phase > FINAL or climb_rate != 0.0 or height != level:
             if phase != s.phase and phase in FROM_HERE:
-                height, climb_rate = state.height, state.velocity_up
-            over_ground = math.hypot(state.velocity_north, state.velocity_east)
-            if phase == GO_AROUND and self.landing is not None:
-                level = max(level, lowest + CLIMB_AWAY * self.landing.regained_height)
-            allowed = math.inf
-            if phase == GO_AROUND and self.landing is not None:
-                allowed = self.landing.climb_away(state.airspeed, state.height - self.landing.wheel_height)
+                height, climb_rate = altitude, state.velocity_up
+            over_ground, allowed = math.hypot(velocity_north, velocity_east), math.inf
+            if phase == GO_AROUND and landing is not None:
+                level = max(level, lowest + CLIMB_AWAY * landing.regained_height)
+                allowed = landing.climb_away(state.airspeed, altitude - landing.wheel_height)
             if climb_rate + self.level_acceleration * dt > allowed:  # from here: heights that it fell behind stall it
-                height, climb_rate = state.height, max(allowed, climb_rate - PUSH_OVER * dt)
+                height, climb_rate = altitude, max(allowed, climb_rate - PUSH_OVER * dt)
             else:
                 height, climb_rate = self._path(phase, level, height, climb_rate, to_go, over_ground, airspeed, dt)
             slope = math.atan2(climb_rate, over_ground)
-            if phase == FLARE and self.landing is not None:  # where the wheels are, not where they were to be
-                wheels = state.height - self.landing.wheel_height
-                slope = math.atan2(-self.landing.flare_sink(wheels), over_ground)
-                slope += self.landing.attitude(wheels, state.pitch)
+            if phase == FLARE and landing is not None:  # where the wheels are, not where they were to be
+                wheels = altitude - landing.wheel_height
+                slope = math.atan2(-landing.flare_sink(wheels), over_ground)
+                slope += landing.attitude(wheels, state.pitch)
         airspeed, flaps, gear = self._speed(phase, leg, to_go, airspeed, state, -climb_rate, dt)
         wanted_bank, sideslip = self.law(deviation), 0.0
         if phase > FINAL:
@@ -212,8 +213,8 @@ class Approach:
         gate = s.gate
         if phase <= FINAL:
             if deviation.distance_to_go < self._glide_entry:
-                near = abs(deviation.cross_track) < landing.capture_cross_track
-                phase = GLIDE if near and phase == FINAL else GO_AROUND
+                near = landing.may_descend(deviation.cross_track, deviation.distance_to_go, phase == FINAL)
+                phase = GLIDE if near else GO_AROUND
             return phase, gate, state.height, s.finished
         if phase == GLIDE:
             if landing.flare_begins(state.height - landing.wheel_height, -s.climb_rate):
@@ -316,7 +317,8 @@ class Approach:
         return bank + landing.sideslip_bank * sideslip if phase != GROUND else 0.0, sideslip, crab, aligned
 
 
-def _established(deviation: PathDeviation) -> bool:
+def established(deviation: PathDeviation) -> bool:
+    """Whether an aircraft is on its leg: a turn onto it, or an intercept, is over."""
     return bool(abs(deviation.track_error) < ESTABLISHED_TRACK and abs(deviation.cross_track) < ESTABLISHED_CROSS_TRACK)
 
 

@@ -21,6 +21,8 @@ POSITIVE = (
     *("stall_speed", "align_height", "align_time", "sideslip_limit", "climb_angle", "regained_height"),
 )
 
+HALF_SCALE = 52.5 / 2800.0  # rad, 75 microampere of a localiser that stands 2800 m behind the threshold
+SECTOR = 180.0 / 75.0 * HALF_SCALE  # rad, up to which its deviation grows with the angle; beyond it says the side
 LEAST_MARGIN = 1.0  # m/s, over which the climb of a go-around fades out
 
 
@@ -34,6 +36,9 @@ class Landing:
     glide_path: Annotated[float, "rad"] = math.radians(2.0 + 40.0 / 60.0)
     capture_load_factor: float = 0.05  # taken off while the path bends down onto the glide path
     capture_cross_track: Annotated[float, "m"] = 130.0  # half scale: no descent outside it
+    localiser: Annotated[float | None, "given"] = (
+        None  # m, of its antenna behind the aiming point; None = there is none
+    )
     flare_time: Annotated[float, "s"] = 3.2  # time constant of the exponential
     align_height: Annotated[float, "m"] = 14.0  # of the wheels, where the de-crab begins
     align_time: Annotated[float, "s"] = 3.0
@@ -57,6 +62,21 @@ class Landing:
     def slope(self) -> float:
         """Tangent of the glide path."""
         return math.tan(self.glide_path)
+
+    def may_descend(self, cross_track: float, distance: float, is_established: bool) -> bool:
+        """Whether the glide path may be followed so far (m) off the line and before the aiming point.
+
+        Half scale of a localiser is an angle, 52.5 m at the threshold [ICAO annex 10 volume I, 3.1.3.7, from memory].
+        Inside it the glide path is captured while the aircraft still turns; without one it has to be established.
+        """
+        if self.localiser is None:
+            return is_established and abs(cross_track) < self.capture_cross_track
+        return abs(cross_track) < HALF_SCALE * (distance + self.localiser)
+
+    def sees_line(self, cross_track: float, distance: float) -> bool:
+        """Whether the line can be captured so far (m) off it and before the aiming point: a localiser's deviation grows
+        with the angle up to 180 microampere [ICAO annex 10 volume I, 3.1.3.7, from memory]."""
+        return self.localiser is None or abs(cross_track) < SECTOR * (distance + self.localiser)
 
     def bend(self, ground_speed: float) -> float:
         """Length, m, of the parabola onto the glide path that takes ``capture_load_factor`` off."""

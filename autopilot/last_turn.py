@@ -1,4 +1,9 @@
-"""The turn onto a leg, found in a record by the turn rate; and the bank that such a turn tells."""
+"""The turn onto a leg, found in a record by the turn rate; and the bank that such a turn tells.
+
+For the capture of a leg that is to be identified (`autopilot.identification`): at the record's own rate, to one side,
+by 15 degrees or more, with its end. What is compared with flights of others (`sim.metrics.arrivals.last_turn`) is
+found at one look a second, from 8 degrees on and by its angle to the final, as a surveillance sensor can see it.
+"""
 
 from __future__ import annotations
 

@@ -14,13 +14,14 @@ class GateState(NamedTuple):
 
     elapsed: float
     sums: tuple[float, float, float, float]
-    blocks: tuple[tuple[float, float, float, float], ...]
+    blocks: tuple[tuple[float, float, float, float], ...]  # of the whole window, the newest last
+    filled: int  # of them, so far
     exceeded: float  # s, INSIDE while no limit is
 
 
 INSIDE = -1.0
 ROUNDING = 1e-6  # s, of a sum of steps
-FRESH = GateState(0.0, (0.0, 0.0, 0.0, 0.0), (), INSIDE)
+NOTHING = (0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,10 @@ class StabilisedGate:
                 f"the window of the stabilised-approach gate must be at least {BLOCK} s, its persistence not negative"
             )
 
+    def begin(self) -> GateState:
+        """Nothing measured yet."""
+        return GateState(0.0, NOTHING, (NOTHING,) * round(self.window / BLOCK), 0, INSIDE)
+
     def step(
         self,
         s: GateState,
@@ -61,7 +66,7 @@ class StabilisedGate:
         dt: float,
     ) -> GateState:
         """Add one sample; errors are flown minus wanted, ``distance`` (m) is to the aiming point."""
-        elapsed, sums, blocks, exceeded = s
+        elapsed, sums, blocks, filled, exceeded = s
         elapsed += dt
         sums = (
             sums[0] + airspeed_error * dt,
@@ -70,11 +75,11 @@ class StabilisedGate:
             sums[3] + cross_track * dt,
         )
         if elapsed < BLOCK - ROUNDING:
-            return GateState(elapsed, sums, blocks, exceeded)
-        wanted = round(self.window / BLOCK)
+            return GateState(elapsed, sums, blocks, filled, exceeded)
+        wanted = len(blocks)
         mean = (sums[0] / elapsed, sums[1] / elapsed, sums[2] / elapsed, sums[3] / elapsed)
-        blocks = (*blocks, mean)[-wanted:]
-        if len(blocks) == wanted:
+        blocks, filled = (*blocks[1:], mean), min(filled + 1, wanted)
+        if filled == wanted:
             airspeed_error, sink, height_error, cross_track = (
                 sum(column) / wanted for column in zip(*blocks, strict=True)
             )
@@ -85,7 +90,7 @@ class StabilisedGate:
                 or abs(cross_track) > self.cross_track
             )
             exceeded = INSIDE if not outside else 0.0 if exceeded == INSIDE else exceeded + elapsed
-        return GateState(0.0, FRESH.sums, blocks, exceeded)
+        return GateState(0.0, NOTHING, blocks, filled, exceeded)
 
     def missed(self, s: GateState) -> bool:
         """Whether a limit was exceeded for long enough: go around."""

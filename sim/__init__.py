@@ -20,6 +20,7 @@ Verbs, in the order of a run
 - `compare` - two folders or results -> what changed beyond noise or tolerance (sim.studies.comparing.comparison)
 - `study` - a scenario over the axes of its ``[study]`` -> `StudyResult` (sim.studies.studied)
 - `explain` - what a scenario resolves to, as text: route, trim, modes, gains, limits, checks (sim.cli.explain)
+- `linear` - a scenario -> `LinearSystems`: aircraft and loops for python-control (sim.flight.linear_systems.systems)
 - `tracker` - a class of one's own, its sensors, law, route -> `OwnTracker` for run (sim.estimation.own_trackers)
 - `figures` - Result -> names and titles of its figures, for `Result.plot` (sim.results.result)
 - `load` - the folder of a run -> the Result that it was written from (sim.results.loading)
@@ -49,7 +50,7 @@ Data
     - ``sensors``, ``trackers`` - by name; ``departures`` from the law, ``sensor_faults``; ``contrasts`` of trackers;
       ``checks``; ``study``; ``navigation_errors`` of the autopilot, or None
     - ``tables`` - the resolved file itself, in its own spelling
-- `Prepared` - all that one flight needs, built once (sim.flight.preparation)
+- `Prepared` - all that one flight needs, built once (sim.flight.preparing.prepared)
     - ``scenario``; ``autopilot`` with its route and law; ``vehicle``, JSBSim or a point mass; ``initial`` state
     - ``limits`` that end a flight; ``gains``, their design and what it was made for; ``designed``, the gains
       that fly; ``rate`` Hz of the equations of motion; ``warnings``, sentences; ``stall_speed`` m/s equivalent of
@@ -92,11 +93,12 @@ Data
     - ``white`` (k, m, draws) - residuals of unit variance; ``nis``, ``log_likelihood`` (k, draws)
     - ``model_probabilities`` (k, M, draws) of M models, or None
     - ``skipped`` (k, draws) looks of which something could not be used, None = all were
+    - of more than 512 draws these arrays lie in files: ``np.asarray`` or an index reads them
 - `Tracked` - one tracker, its record and what that had wrong (sim.estimation.tracking_run)
     - ``tracker``, as it was set up; ``law_from`` - origin of the law it assumes, None = none known; ``measurements``
-      that it was given; ``track``; ``curves`` - its errors over time, for figures (sim.metrics.error_curves);
-      ``rollout`` - its Track after the landing, or None; ``squares`` - its squared errors by time where the scenario
-      contrasts it (sim.metrics.contrasts), or None
+      that it was given (of more than 512 draws, in the first of them); ``track``; ``curves`` - its errors over time,
+      for figures (sim.metrics.error_curves); ``rollout`` - its Track after the landing, or None; ``squares`` - its
+      squared errors by time where the scenario contrasts it (sim.metrics.contrasts), or None
 - `LawFit` - the route law that comes nearest to a capture (autopilot.identification)
     - ``k1`` rad/m, ``k2`` rad/(m/s), ``cross_track_limit`` m, ``bank_limit`` rad, and ``lag`` s of the bank: each with
       its value, its standard error sigma, and met = False for a limit that never acted and is no less than the value
@@ -115,6 +117,10 @@ Data
 - `StudyResult` - what a study found out (sim.results.studied)
     - ``folder`` that holds it, or None; ``metrics`` - as in its metrics.json; ``broken`` - one sentence for each check
       that failed
+- `LinearSystems` - linear models about the leg on which a flight begins (sim.flight.linear_systems.systems)
+    - ``leg``, at whose airspeed and height they hold; ``aircraft``, ``bank``, ``opened`` (at the bank command) and
+      ``closed`` - each a control.StateSpace whose signals have names with units, all but the aircraft sampled at 30 Hz
+    - ``loop`` - the matrices of the sampled loops (autopilot.route_loop); ``law`` that closes them
 - `OwnTracker` - a tracker of the caller with what it is given (sim.estimation.own_trackers)
     - ``made`` - a tracker, or the class that makes one; ``sensors`` it listens to, None = all that it can read; ``law``
       - "autopilot", changes to that, or None; ``route`` - whether it is given that; ``parameters`` of its class
@@ -142,6 +148,7 @@ if TYPE_CHECKING:
     from sim.estimation.own_trackers import OwnTracker, tracker
     from sim.estimation.tracking_run import Tracked, track
     from sim.experiment import fly, read, report, run
+    from sim.flight.linear_systems.systems import LinearSystems, linear
     from sim.flight.preparation import Prepared, prepare
     from sim.flight.record import Flight
     from sim.flight.recording.flights import recorded
@@ -161,6 +168,7 @@ __all__ = [
     "Command",
     "Flight",
     "LawFit",
+    "LinearSystems",
     "Measurements",
     "OutputError",
     "OwnTracker",
@@ -177,6 +185,7 @@ __all__ = [
     "figures",
     "fly",
     "identify",
+    "linear",
     "load",
     "observe",
     "prepare",
@@ -197,7 +206,9 @@ _HOMES = {
     "sim.estimation.own_trackers": ("OwnTracker", "tracker"),
     "sim.estimation.tracking_run": ("Tracked", "track"),
     "sim.experiment": ("fly", "read", "report", "run"),
-    "sim.flight.preparation": ("Prepared", "prepare"),
+    "sim.flight.linear_systems.systems": ("LinearSystems", "linear"),
+    "sim.flight.preparation": ("prepare",),
+    "sim.flight.preparing.prepared": ("Prepared",),
     "sim.flight.record": ("Flight",),
     "sim.flight.recording.flights": ("recorded",),
     "sim.observation.record": ("SensorRecord", "observe"),

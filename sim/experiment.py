@@ -42,7 +42,7 @@ from sim.results.result import Result, timed
 from sim.results.saving import TIMING, write_files
 from sim.scenario import reading
 from sim.scenario.axes import samples
-from sim.scenario.budget import refuse_too_much, refuse_workers
+from sim.scenario.budget import TOGETHER, refuse_too_much, refuse_workers
 from sim.scenario.model import Scenario
 from sim.scenario.plugins import Catalogue, Part, Plugins, catalogue_with, digests, load_parts, said
 from sim.scenario.reading import Source
@@ -395,7 +395,8 @@ def run_to_folder(
     name = scenario.name if flight is None else f"{scenario.name}_flight_{flight}"
     folder = out if out is not None else Path("out") / name
     refuse_foreign(folder, "run")
-    with helper(len(scenario.trackers) >= FEW, functools.partial(_get_ready, scenario.parts)):
+    shared = len(scenario.trackers) >= FEW and scenario.draws <= TOGETHER
+    with helper(shared, functools.partial(_get_ready, scenario.parts)):
         result = run(scenario, flight=flight, workers=workers, progress=progress, remark=remark)
         report(result, folder, started)
     return folder, result

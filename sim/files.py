@@ -19,7 +19,7 @@ import threading
 import time
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,10 @@ DAMAGED = (
     *(OSError, ValueError, LookupError, TypeError, AttributeError, EOFError, RuntimeError, MemoryError),
     *(zipfile.BadZipFile, zlib.error),
 )  # what reading a file that is not what it should be may raise
-KINDS = {"run": "a run", "study": "a study", "claims": "the claims", "identification": "identified laws"}
+KINDS = {
+    **{"run": "a run", "study": "a study", "claims": "the claims", "identification": "identified laws"},
+    "jsbsim": "a root of JSBSim",
+}
 
 
 def claim(folder: Path, what: str) -> None:
@@ -221,13 +224,16 @@ def plain(value: Any) -> Any:
     return value
 
 
-def write_npz(path: Path, arrays: dict[str, Any]) -> None:
+def write_npz(path: Path, arrays: Mapping[str, Any] | Iterable[tuple[str, Any]]) -> None:
     """A file of named arrays; the name of each carries its unit. Noise does not compress, so nothing is compressed.
 
-    Raises ``ValueError`` for arrays of objects, which only a pickle could hold.
+    They are taken and written one by one, the bytes are those of ``numpy.savez``. Raises ``ValueError`` for arrays of
+    objects, which only a pickle could hold.
     """
-    with path.open("wb") as file:
-        np.savez(file, allow_pickle=False, **{name: np.asarray(array) for name, array in arrays.items()})
+    with path.open("wb") as file, zipfile.ZipFile(file, "w") as archive:
+        for name, array in arrays.items() if isinstance(arrays, Mapping) else arrays:
+            with archive.open(f"{name}.npy", mode="w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
 
 
 @contextlib.contextmanager

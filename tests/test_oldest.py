@@ -14,7 +14,8 @@ def test_every_requirement_is_held_at_its_lowest_version():
     found = lowest(text)
     assert found["numpy"] == re.search(r'"numpy >= ([\d.]+)"', text)[1]
     assert {"jsbsim", "scipy", "control", "typer", "pytest", "distributed", "pyarrow"} <= set(found)
-    assert len(found) == len(set(re.findall(r'^  "([\w-]+) >= ', text, re.MULTILINE)))
+    tried = re.sub(r"^docs = \[.*?^\]\n", "", text, flags=re.MULTILINE | re.DOTALL)  # those only build the documents
+    assert len(found) == len(set(re.findall(r'^  "([\w-]+) >= ', tried, re.MULTILINE)))
 
 
 def test_a_requirement_without_a_lowest_version_is_refused():

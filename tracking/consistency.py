@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import special
 
-from tracking.gaussian import Gaussian, Innovation, Mixture, _cholesky, _forward, merge
+from tracking.gaussian import Gaussian, Innovation, Mixture, merge, whitened
 from tracking.intervals import Interval, chi_square, correlation_band, mean_interval, proportion, rmse
 
 Array = Any
@@ -38,7 +38,7 @@ def normalised_error(estimate: Gaussian | Mixture, truth: Array, components: tup
     error, cov = gaussian.mean - truth, gaussian.cov
     if components is not None:
         error, cov = error[list(components)], cov[np.ix_(components, components)]
-    white = _forward(_cholesky(cov), error)
+    white = whitened(cov, error)
     return np.einsum("i...,i...->...", white, white)
 
 
@@ -50,11 +50,16 @@ def lost(nees: Array, degrees: int) -> Array:
     nees : (k, *B), of the position.
     degrees : components of the position.
     """
-    outside, ever = np.zeros(np.shape(nees)[1:], dtype=int), ~np.isfinite(nees).all(axis=0)
-    for epoch in nees:
+    return lost_by(nees, degrees)[-1] if len(nees) else np.zeros(np.shape(nees)[1:], dtype=bool)
+
+
+def lost_by(nees: Array, degrees: int) -> Array:
+    """Whether each run has been `lost` up to each epoch (k, *B)."""
+    outside, ever = np.zeros(np.shape(nees)[1:], dtype=int), ~np.isfinite(nees)
+    for row, epoch in enumerate(nees):
         outside = _outside(outside, epoch, degrees)
-        ever |= outside >= LOST_EPOCHS
-    return ever
+        ever[row] |= outside >= LOST_EPOCHS
+    return np.logical_or.accumulate(ever, axis=0)
 
 
 def _outside(before: Array, nees: Array, degrees: int) -> Array:

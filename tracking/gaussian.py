@@ -12,6 +12,7 @@ the update, ``d d'`` in the mixing, and a mirrored triangle in the prediction.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ import numpy as np
 Array = Any
 
 FEW = 16  # matrices along the last axis: below, one BLAS call each costs less than setting up einsum
+LEAST = 1e-200  # weight of a hypothesis that still has digits when its moments are multiplied by it
 LOG_TWO_PI = math.log(2.0 * math.pi)
 
 
@@ -97,11 +99,8 @@ def update(gaussian: Gaussian, z: Array, H: Array, R: Array) -> tuple[Gaussian, 
     if absent is not None:
         H, R, residual = _without(absent, H, R, residual)
     P, H, R = _aligned(gaussian.cov, H, R)
-    cross = _product(H, P)  # H P (m, n, *C)
-    S = _plus(_product(H, cross.swapaxes(0, 1)), R)
-    L = _cholesky(S)
-    innovation = _innovation(L, residual)
-    posterior = _condition(gaussian.mean, P, L, innovation.white, cross)
+    rows, other = _rows(P, H, R, residual)
+    posterior, innovation = _condition(Gaussian(gaussian.mean, P), rows, other)
     if absent is None:
         return posterior, innovation
     return posterior, _present(innovation, absent)
@@ -122,7 +121,7 @@ def interact(mixture: Mixture, switching: Array) -> Mixture:
     """Mix hypotheses by their switching probabilities before a prediction [Volovyk 2022, eqs. (6), (22)-(23)].
 
     Rows of ``switching`` (M, M) are "from", columns "to". The returned weights are the predicted ones. A hypothesis
-    whose predicted weight is zero keeps its own estimate.
+    whose predicted weight is zero, or so small that moments times it have no digits, keeps its own estimate.
 
     Erratum: printed the spread about the filtered mean of the target model, used the spread about its mixed mean,
     because a covariance is taken about the mean that goes with it.
@@ -130,22 +129,41 @@ def interact(mixture: Mixture, switching: Array) -> Mixture:
     ``theta_ij mu_i`` normalised over the source i, because the weights of one mixed estimate sum to one.
     """
     weights, means, covs = mixture
-    joint = lift(switching, 2, weights.ndim - 1) * weights[:, None]  # (from, to, *B)
-    predicted = np.add.reduce(joint)
-    if predicted.all():
-        joint /= predicted
-    else:
-        certain = predicted > 0.0
-        own = lift(np.eye(len(predicted)), 2, weights.ndim - 1)
-        joint = np.where(certain, joint / np.where(certain, predicted, 1.0), own)
-    # About any point c among the means: sum_i w_ij (P_i + d_i d_i') - e_j e_j', d_i = x_i - c, e_j = mixed x_j - c.
-    # It needs 2 M outer products instead of M^2, and moments about the origin would lose |x|^2 eps.
+    upper, row, column, whole = _triangle(len(means))
+    predicted = _switched(switching, weights[None])[0]
+    certain = None if np.minimum.reduce(predicted, axis=None) > LEAST else ~(predicted <= LEAST)
+    scale = 1.0 / (predicted if certain is None else np.where(certain, predicted, 1.0))
+    # About any point c among the means: sum_i w_ij (P_i + d_i d_i') - e_j e_j' with d_i = x_i - c, e_j = mixed x_j - c
+    # and w_ij = theta_ij mu_i / predicted_j. Moments about the origin would lose |x|^2 eps. Theta serves all runs and
+    # moments, so that these sums are matrix products; of symmetric matrices one triangle is mixed.
     centre = means[:, :1]
     deviation = means - centre
-    mixed = np.einsum("ij...,ai...->aj...", joint, deviation)
-    cov = np.einsum("ij...,abi...->abj...", joint, _second_moments(deviation, covs))
-    cov -= mixed[:, None] * mixed
-    return Mixture(predicted, centre + mixed, cov)
+    second = deviation.take(row, 0)
+    second *= deviation.take(column, 0)
+    second = _plus(second, covs.reshape(-1, *covs.shape[2:]).take(upper, 0))
+    mixed = _switched(switching, _times(deviation, weights)) * scale
+    second = _switched(switching, _times(second, weights))
+    second *= scale
+    second -= mixed.take(row, 0) * mixed.take(column, 0)
+    mean, cov = centre + mixed, second.take(whole, 0)
+    if certain is None:
+        return Mixture(predicted, mean, cov)
+    return Mixture(predicted, np.where(certain, mean, means), np.where(certain, cov, covs))
+
+
+def _switched(switching: Array, values: Array) -> Array:
+    """Sum over the hypotheses i before of ``theta_ij`` times their values (r, M, *B), for each j after."""
+    r, M = values.shape[:2]
+    return (switching.T @ values.reshape(r, M, -1)).reshape(values.shape)
+
+
+@lru_cache
+def _triangle(n: int) -> tuple[Array, Array, Array, Array]:
+    """Of a symmetric matrix (n, n): places, rows and columns of its upper triangle, and where each entry is in that."""
+    row, column = np.triu_indices(n)
+    whole = np.zeros((n, n), dtype=int)
+    whole[row, column] = whole[column, row] = np.arange(len(row))
+    return row * n + column, row, column, whole
 
 
 def reweigh(weights: Array, log_likelihood: Array) -> tuple[Array, Array]:
@@ -188,14 +206,11 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
     residual = z - _apply(H, mixture.mean)
     if absent is not None:
         H, R, residual = _without(absent, H, R, residual)
-    cross = _product(H, mixture.cov)
-    S = _plus(_product(H, cross.swapaxes(0, 1)), lift(R, 2, batch + 1))
-    L = _cholesky(S)
-    each = _innovation(L, residual)
-    conditioned = _condition(mixture.mean, mixture.cov, L, each.white, cross)
+    rows, other = _rows(mixture.cov, H, lift(R, 2, batch + 1), residual)
+    matched = merge(Mixture(mixture.weights, residual, rows[:, : len(rows)]))
+    conditioned, each = _condition(Gaussian(mixture.mean, mixture.cov), rows, other)
     weights, log_likelihood = reweigh(mixture.weights, each.log_likelihood)
-    matched = merge(Mixture(mixture.weights, residual, S))
-    white = _forward(_cholesky(matched.cov), matched.mean)
+    white = whitened(matched.cov, matched.mean)
     innovation = Innovation(white, np.add.reduce(white * white), log_likelihood)
     posterior = Mixture(weights, conditioned.mean, conditioned.cov)
     if absent is None:
@@ -203,59 +218,86 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
     return posterior, _present(innovation, absent[:, 0])
 
 
-def _innovation(L: list[list[Array]], residual: Array) -> Innovation:
-    """Whitened residual (m, *B), its square and its log-likelihood, from the factor of the innovation covariance."""
-    white = _forward(L, residual)
+def whitened(cov: Array, error: Array) -> Array:
+    """``L^-1 error`` (m, *B) with ``L L' = cov`` (m, m, *C): independent and of unit variance."""
+    batch = cov.shape[2:]
+    if error.shape[1:] != batch:
+        batch = np.broadcast_shapes(batch, error.shape[1:])
+    rows = _beside(batch, cov, error[:, None])
+    _eliminate(rows)
+    return rows[:, -1]
+
+
+def _rows(P: Array, H: Array, R: Array, residual: Array) -> tuple[Array, Array | None]:
+    """The rows (S, H P, z - H x) with S = H P H' + R, (m, m + n + 1, *B).
+
+    Where one covariance serves runs with residuals of their own (m, *B), these stand beside the rows and not in them.
+    """
+    m, n = H.shape[:2]
+    batch = residual.shape[1:]
+    if P.shape[2:] != batch or not _covers(residual, R[0]):
+        cross = _product(H, P)
+        S = _plus(_product(H, cross.swapaxes(0, 1)), R)
+        if S.shape[2:] != batch:
+            shape = (m, *np.broadcast_shapes(batch, S.shape[2:]))
+            return _beside(S.shape[2:], S, cross), np.array(np.broadcast_to(residual, shape))
+        return _beside(batch, S, cross, residual[:, None]), None
+    rows = np.empty((m, m + n + 1, *batch))
+    S, cross, rows[:, -1] = rows[:, :m], rows[:, m:-1], residual
+    _product(H, P, out=cross)
+    _product(H, cross.swapaxes(0, 1), out=S)
+    S += R
+    return rows, None
+
+
+def _condition(prior: Gaussian, rows: Array, other: Array | None) -> tuple[Gaussian, Innovation]:
+    """``x + W white``, ``P - W W'`` with ``W' = L^-1 H P``, ``L L' = S``, from the `_rows`, which it changes.
+
+    One elimination turns (S, H P, z - H x) into (L', W', white).
+    """
+    mean, cov = prior
+    m, n, batch = len(rows), len(mean), rows.shape[2:]
+    volume, white = _eliminate(rows, other), rows[:, -1] if other is None else other
     nis = np.add.reduce(white * white)
-    volume = L[0][0]
-    for i in range(1, len(L)):
-        volume = volume * L[i][i]
     log_likelihood = -0.5 * nis - np.log(volume)
-    log_likelihood -= 0.5 * len(L) * LOG_TWO_PI
-    return Innovation(white, nis, log_likelihood)
-
-
-def _condition(mean: Array, cov: Array, L: list[list[Array]], white: Array, cross: Array) -> Gaussian:
-    """``x + W white``, ``P - W W'`` with ``W' = L^-1 H P``; cross = H P (m, n, *C)."""
-    W = _forward(L, cross)
-    transposed = W.swapaxes(0, 1)
-    reduction = _product(transposed, W)
-    reduced = np.subtract(cov, reduction, out=reduction if _covers(reduction, cov) else None)
-    variances = np.einsum("ii...->i...", reduced)  # a view
+    log_likelihood -= 0.5 * m * LOG_TWO_PI
+    W = rows[:, m : m + n].swapaxes(0, 1)
+    reduced = _product(W, W.swapaxes(0, 1), out=np.empty((n, n, *batch)))
+    np.subtract(cov, reduced, out=reduced)
+    variances = reduced.reshape(n * n, *batch)[:: n + 1]  # a view of the diagonal
     np.maximum(variances, 0.0, out=variances)  # after an exact measurement they are zero up to rounding
-    return Gaussian(mean + _apply(transposed, white), reduced)
+    return Gaussian(mean + _apply(W, white), reduced), Innovation(white, nis, log_likelihood)
 
 
-def _cholesky(S: Array) -> list[list[Array]]:
-    """Lower factor of S (m, m, *C), element by element: m is small and the batch is long."""
-    L: list[list[Array]] = []
-    for i in range(len(S)):
-        row: list[Array] = []
-        for j in range(i):
-            entry = S[i, j]
-            for k in range(j):
-                entry = entry - row[k] * L[j][k]
-            row.append(entry / L[j][j])
-        pivot = S[i, i]
-        for k in range(i):
-            pivot = pivot - row[k] * row[k]
-        row.append(np.sqrt(pivot))
-        L.append(row)
-    return L
+def _beside(batch: tuple[int, ...], *blocks: Array) -> Array:
+    """Copy of matrices (m, ..., *C) side by side, all with the batch axes ``batch``."""
+    rows, first = np.empty((len(blocks[0]), sum(block.shape[1] for block in blocks), *batch)), 0
+    for block in blocks:
+        rows[:, first : first + block.shape[1]] = block
+        first += block.shape[1]
+    return rows
 
 
-def _forward(L: list[list[Array]], right: Array) -> Array:
-    """Solve ``L y = right`` with L from `_cholesky` and right (m, ..., *B)."""
-    batch = np.shape(L[0][0])
-    fits = not batch or right.shape[-len(batch) :] == batch
-    shape = right.shape if fits else (len(right), *np.broadcast_shapes(right.shape[1:], batch))
-    solution = np.empty(shape)
-    for i, row in enumerate(L):
-        entry = right[i]
-        for k in range(i):
-            entry = entry - row[k] * solution[k]
-        np.divide(entry, row[i], out=solution[i, ...])
-    return solution
+def _eliminate(rows: Array, other: Array | None = None) -> Array:
+    """Cholesky's factorisation ``S = L L'`` of rows (m, m + ..., *C) that begin with S, in place; det L.
+
+    S becomes L' (what is below its diagonal is not to be read), and what stands beside it, or in ``other`` (m, *B), is
+    multiplied by L^-1. Row by row, over all runs at once: m is small and the batch is long.
+    """
+    volume: Array = 1.0
+    for i in range(len(rows)):
+        row = rows[i, i:]  # views: to write to rows[i] itself would copy it once more
+        pivot = np.sqrt(row[0])
+        row /= pivot
+        for k in range(i + 1, len(rows)):
+            below = rows[k, k:]
+            below -= row[k - i] * row[k - i :]
+        if other is not None:
+            other[i] /= pivot
+            for k in range(i + 1, len(rows)):
+                other[k] -= row[k - i] * other[i]
+        volume = pivot if i == 0 else volume * pivot
+    return volume
 
 
 def _absent(z: Array) -> Array | None:
@@ -323,10 +365,10 @@ def _mirror(cov: Array) -> Array:
 def _covers(large: Array, small: Array) -> bool:
     """Whether ``small`` broadcasts into the shape of ``large``."""
     into, shape = large.shape, small.shape
-    if into == shape:
-        return True
-    tail = into[len(into) - len(shape) :]
-    return len(shape) <= len(into) and all(size in (1, whole) for size, whole in zip(shape, tail, strict=True))
+    tail = into[max(len(into) - len(shape), 0) :]
+    return tail == shape or (
+        len(shape) <= len(into) and all(size in (1, whole) for size, whole in zip(shape, tail, strict=True))
+    )
 
 
 def _plus(fresh: Array, other: Array) -> Array:
@@ -335,6 +377,14 @@ def _plus(fresh: Array, other: Array) -> Array:
         fresh += other
         return fresh
     return fresh + other
+
+
+def _times(fresh: Array, other: Array) -> Array:
+    """Product, in place where it fits."""
+    if _covers(fresh, other):
+        fresh *= other
+        return fresh
+    return fresh * other
 
 
 def _aligned(P: Array, A: Array, R: Array) -> tuple[Array, Array, Array]:
@@ -363,26 +413,31 @@ def _apply(A: Array, x: Array) -> Array:
     return np.einsum("ij...,j...->i...", A, x)
 
 
-def _product(A: Array, X: Array) -> Array:
+def _product(A: Array, X: Array, out: Array | None = None) -> Array:
     """``A X`` for A (p, n, *C) and X (n, k, *C)."""
     if A.shape[1] == 1 and A.ndim == X.ndim:
-        return A * X
+        return np.multiply(A, X, out=out)
     if A.ndim == 2 or (A.shape[-1] == 1 and A.ndim == X.ndim):
-        return _blas(A, X)
+        return _blas(A, X, out)
     if A.ndim == 3 and A.shape[2:] == X.shape[2:] and A.shape[2] < FEW:
-        return (A.transpose(2, 0, 1) @ X.transpose(2, 0, 1)).transpose(1, 2, 0)
-    return np.einsum("ij...,jk...->ik...", A, X)
+        into = None if out is None else out.transpose(2, 0, 1)
+        return np.matmul(A.transpose(2, 0, 1), X.transpose(2, 0, 1), out=into).transpose(1, 2, 0)
+    return np.einsum("ij...,jk...->ik...", A, X, out=out)
 
 
 _RUNS_LAST = tuple((*range(1, axes - 1), 0, axes - 1) for axes in range(2, 9))
-_ROWS_FIRST = tuple((axes - 2, *range(axes - 2), axes - 1) for axes in range(2, 9))
 
 
-def _blas(A: Array, X: Array) -> Array:
+def _blas(A: Array, X: Array, out: Array | None = None) -> Array:
     """The same for a matrix A that all runs (the last axis) share: one BLAS call per column and hypothesis."""
     if A.ndim > 2:
         A = A[..., 0].transpose(*range(2, A.ndim - 1), 0, 1)
     if X.ndim == 1:
         return A @ X
-    product = A @ X.transpose(_RUNS_LAST[X.ndim - 2])
-    return product.transpose(_ROWS_FIRST[product.ndim - 2])
+    hypotheses = A.shape[:-2]
+    if hypotheses and X.shape[-2] < hypotheses[0]:  # one X for all of them
+        X = np.broadcast_to(X, (*X.shape[:-2], *hypotheses, X.shape[-1]))
+    order = _RUNS_LAST[X.ndim - 2]
+    product = np.empty((A.shape[-2], *X.shape[1:])) if out is None else out
+    np.matmul(A, X.transpose(order), out=product.transpose(order))
+    return product

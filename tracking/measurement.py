@@ -158,7 +158,7 @@ class ConvertedPolar:
         valid = (plot.distance * plot.azimuth_variance < limit) & (plot.azimuth_variance < 0.16) & plot.usable
         bearing = plot.azimuth + self.course
         c, s = np.cos(bearing), np.sin(bearing)
-        cartesian = np.stack([self.position[0] + plot.distance * c, self.position[1] + plot.distance * s])
+        cartesian = np.array([self.position[0] + plot.distance * c, self.position[1] + plot.distance * s])
         across = plot.distance**2 * plot.azimuth_variance
         R = _rotated(plot.distance_variance, plot.distance * plot.covariance, across, c, s)
         return Linear(np.where(valid, cartesian, np.nan), positions(self.channels), R)
@@ -186,7 +186,7 @@ class DebiasedPolar:
         bearing = plot.azimuth + self.course
         bend = np.minimum(plot.azimuth_variance, 1.0)
         distance = plot.distance * np.exp(0.5 * bend)
-        cartesian = np.stack(
+        cartesian = np.array(
             [self.position[0] + distance * np.cos(bearing), self.position[1] + distance * np.sin(bearing)]
         )
         north, east, predicted = _relative(mean, self.channels, self.position)
@@ -223,7 +223,7 @@ class ExtendedPolar:
         i, j = self.channels.index("north"), self.channels.index("east")
         H[0, i], H[0, j], H[1, i], H[1, j] = c, s, -s / safe, c / safe
         azimuth = np.arctan2(east, north) - self.course
-        residual = np.stack([plot.distance - distance, wrap(plot.azimuth - azimuth)])
+        residual = np.array([plot.distance - distance, wrap(plot.azimuth - azimuth)])
         usable = plot.usable & (distance**2 > 9.0 * plot.distance_variance)
         effective = residual + np.einsum("ij...,j...->i...", H, mean)
         R = np.array(

@@ -232,7 +232,7 @@ class Legs:
         # the bank acts at right angles to the air velocity: d acceleration / d bank = g / cos^2(bank)
         north_rate, east_rate = through_air[1], through_air[3]
         aside = GRAVITY / np.cos(control.bank) ** 2 / speed
-        effect = dt * np.stack([-east_rate * aside, north_rate * aside])[:, None] * gradient  # on the velocity
+        effect = dt * np.array([-east_rate * aside, north_rate * aside])[:, None] * gradient  # on the velocity
         F[1::2] += effect
         effect *= 0.5 * dt  # on the position
         F[0::2] += effect
@@ -247,7 +247,7 @@ class Legs:
         normal = lift(self.normal(place), 1, mean.ndim - 1)
         if self.route.chart is None:
             return np.zeros_like(mean[1::2]), 1.0
-        along = np.stack([normal[1], -normal[0]])
+        along = np.array([normal[1], -normal[0]])
         wind = np.array(self.wind)
         airspeed = self.route.charted_speed(place, self.deviation(place, mean).distance_to_go)
         against = np.einsum("i,i...->...", wind, normal)  # the part of the airspeed that holds the leg
@@ -413,7 +413,7 @@ def push(mean: Array, acceleration: Array, dt: float) -> Array:
     Erratum: (9) leaves B' as an integral, used g [T^2/2, T], which it is for the double integrator (6).
     """
     position, rate = mean
-    return np.stack([position + dt * rate + 0.5 * dt**2 * acceleration, rate + dt * acceleration])
+    return np.array([position + dt * rate + 0.5 * dt**2 * acceleration, rate + dt * acceleration])
 
 
 def folded(control: Steering, dt: float) -> Array:

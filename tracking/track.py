@@ -407,8 +407,8 @@ def track(
     )
 
 
-def chunks(runs: int, size: int = 1024) -> Iterator[slice]:
-    """Slices that cover the runs of an ensemble; about a thousand runs at a time stay in the processor's cache."""
+def chunks(runs: int, size: int = 1536) -> Iterator[slice]:
+    """Slices that cover the runs of an ensemble; about so many at a time stay in the processor's cache."""
     return (slice(first, min(first + size, runs)) for first in range(0, runs, size))
 
 

@@ -403,21 +403,36 @@ def list_(
 
 @app.command()
 def explain(
-    scenario: Scenario = DEFAULT, sets: Sets = None, plugins: Plugins = None, no_cache: NoCache = False
+    scenario: Scenario = DEFAULT,
+    sets: Sets = None,
+    plugins: Plugins = None,
+    bode: Annotated[
+        Path | None, typer.Option(metavar="FILE.svg", help="Draw gain and phase of the route loop instead.")
+    ] = None,
+    step: Annotated[
+        Path | None, typer.Option(metavar="FILE.svg", help="Draw bank and path after a step instead.")
+    ] = None,
+    no_cache: NoCache = False,
 ) -> None:
     """Show what a scenario resolves to: route, trim, modes, gains, limits, checks."""
+    from sim.cli.explain import draw_loops
     from sim.cli.explain import explain as told
     from sim.experiment import read
 
-    typer.echo(told(read(scenario, _overrides(sets), plugins=plugins or ())))
+    read_ = read(scenario, _overrides(sets), plugins=plugins or ())
+    wanted = {name: path for name, path in (("bode", bode), ("step", step)) if path is not None}
+    for path in draw_loops(read_, wanted):
+        typer.echo(f"wrote {path}")
+    if not wanted:
+        typer.echo(told(read_))
 
 
 @app.command()
 def schema(plugins: Plugins = None) -> None:
     """Print the JSON Schema of a scenario file."""
     from sim.metrics.checks import with_examples
+    from sim.scenario.editors.json_schema import schema as made
     from sim.scenario.plugins import catalogue_with
-    from sim.scenario.schema import schema as made
 
     typer.echo(json.dumps(with_examples(made(catalogue_with(plugins or ()))), indent=1))
 
@@ -479,28 +494,59 @@ def identify(
 
 @app.command()
 def export(
-    folder: Annotated[Path, typer.Argument(help="A run folder or a study folder.")],
+    folder: Annotated[Path, typer.Argument(help="A run folder or a study folder; with --jsbsim a scenario.")],
     csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
     parquet: Annotated[bool, typer.Option("--parquet", help="Parquet, for large records.")] = False,
     tracks: Annotated[
         bool, typer.Option("--tracks", help="The flights as recordings of traffic, and their runway.")
     ] = False,
+    asterix: Annotated[
+        bool, typer.Option("--asterix", help="Plots and tracks of a run as ASTERIX: CAT034, 048, 021 and 062.")
+    ] = False,
+    pcap: Annotated[bool, typer.Option("--pcap", help="With --asterix: a capture of UDP, not blocks alone.")] = False,
+    draw: Annotated[
+        int | None, typer.Option(metavar="K", help="With --asterix: draw K alone; default all, told apart by number.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="With --tracks: NAME.csv or NAME.parquet; default in the folder.")
     ] = None,
     date: Annotated[
-        str | None, typer.Option(metavar="DATE", help="With --tracks: when the first flight begins, ISO 8601, UTC.")
+        str | None,
+        typer.Option(metavar="DATE", help="With --tracks, --asterix: when the first flight begins, ISO 8601, UTC."),
     ] = None,
     workers: Annotated[
         int, typer.Option("-j", "--workers", min=1, help="With --tracks: processes that fly flights again.")
     ] = 1,
+    jsbsim: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="A scenario as a root of JSBSim, which flies it alone.")
+    ] = None,
+    sets: Sets = None,
     plugins: Plugins = None,
 ) -> None:
-    """Write the records of a run, or the flights of a study, for other programs."""
+    """Write the records of a run, or the flights of a study, for other programs; or a scenario for JSBSim alone."""
     from sim.cli.export import export as write
-    from sim.cli.export import export_tracks
+    from sim.cli.export import export_asterix, export_jsbsim, export_tracks
 
+    if jsbsim is not None:
+        if csv or parquet or tracks or asterix or out is not None or date is not None or workers > 1:
+            raise OutputError("--jsbsim DIR goes alone, with a scenario, --set and --plugin")
+        for line in export_jsbsim(str(folder), jsbsim, _overrides(sets), plugins or ()):
+            typer.echo(printable(line))
+        return
+    if sets:
+        raise OutputError("--set goes with --jsbsim: what was run keeps its values")
     kinds = [name for name, asked in (("csv", csv), ("parquet", parquet)) if asked]
+    if (pcap or draw is not None) and not asterix:
+        raise OutputError("--pcap and --draw go with --asterix")
+    if asterix:
+        if kinds or tracks or out is not None or workers > 1:
+            raise OutputError("--asterix goes with --pcap, --draw and --date alone; its files lie in the folder")
+        files, left = export_asterix(folder, date, draw, pcap, plugins or ())
+        for file in files:
+            typer.echo(f"wrote {folder / file}")
+        for sentence in left:
+            typer.echo(printable(f"left out: {sentence}"))
+        return
     if tracks:
         if kinds:
             raise OutputError(
@@ -514,9 +560,9 @@ def export(
             raise typer.Exit(FLIGHTS_CRASHED)
         return
     if out is not None or date is not None or workers > 1:
-        raise OutputError("-o, --date and -j go with --tracks")
+        raise OutputError("-o and -j go with --tracks, --date with that or --asterix")
     if not kinds:
-        raise OutputError("say what: --csv, --parquet or --tracks")
+        raise OutputError("say what: --csv, --parquet, --tracks, --asterix or --jsbsim")
     for kind in kinds:
         for path in write(folder, kind):
             typer.echo(f"wrote {path}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
 
 from aircraft.errors import TrimError
@@ -15,8 +16,10 @@ from autopilot.limit_cycles import limited_loop
 from autopilot.modes.lateral_navigation import LateralNavigation
 from autopilot.route_loop import linear_onset, margins
 from sim.cli.terminal import table
+from sim.errors import OutputError
 from sim.estimation.setup import check, told
 from sim.experiment import read
+from sim.files import whole
 from sim.flight import swings
 from sim.flight.arrivals import vectoring
 from sim.flight.departures import in_words
@@ -26,6 +29,9 @@ from sim.flight.weather import words
 from sim.interchange.clocks import in_words as clock_words
 from sim.metrics import windshear
 from sim.observation import faults
+from sim.reporting.drawing import svg
+from sim.reporting.loop_figures.bode import bode
+from sim.reporting.loop_figures.step import step
 from sim.scenario.arrivals.vectored import VectoredTable
 from sim.scenario.model import Scenario
 from sim.scenario.plugins import Plugins, catalogue_with
@@ -87,6 +93,28 @@ def explain(scenario: Source | Scenario, overrides: Mapping[str, Any] | None = N
     return "\n\n".join(parts)
 
 
+def draw_loops(scenario: Scenario, wanted: Mapping[str, Path]) -> list[Path]:
+    """Write the figures "bode" and "step" of a scenario's loops as SVG; the files, in order.
+
+    Raises ``OutputError`` for a name that does not end in .svg or cannot be written, before anything is drawn where
+    the name tells it, and ``ScenarioError`` where there is no route loop.
+    """
+    for path in wanted.values():
+        if path.suffix != ".svg":
+            raise OutputError(f"{path}: name it NAME.svg")
+    if not wanted:
+        return []
+    prepared = prepare(scenario)
+    law, loop = LateralNavigation.of(prepared.law), run_isolated(scenario, MODEL_TIME_LIMIT, prepared.route_loop)
+    assert law is not None
+    for name, path in wanted.items():
+        figure, title = {"bode": (bode, "route loop"), "step": (step, "bank loop and route loop")}[name]
+        text = svg.written(figure(loop, law), f"{scenario.name}: {title}")
+        with whole(path) as partial:
+            partial.write_text(text.replace("<svg ", '<svg style="background:#fff" ', 1) + "\n", encoding="utf-8")
+    return list(wanted.values())
+
+
 def _head(prepared: Prepared) -> str:
     s = prepared.scenario
     mass = f", {s.aircraft.mass:.0f} kg" if s.aircraft.mass else ""
@@ -140,12 +168,13 @@ def _vectors(prepared: Prepared) -> list[str]:
     scenario, route = prepared.scenario, prepared.scenario.route
     if not isinstance(route, VectoredTable):
         return []
+    last = vectoring.vectors(scenario, route)[-1].time
     rows = [("vector from s on", "course deg", "heading deg", "to the final deg"), *vectoring.in_words(scenario, route)]
     speeds = ", ".join(f"{speed:.1f} m/s {where}" for where, speed, _ in route.levels)
     return [
         "\n".join(table(rows, 0))
         + f"\nfrom the {'left' if route.sign > 0.0 else 'right'}; the last heading is to meet the extended centreline "
-        f"{vectoring.met(scenario, route):.0f} m before the aiming point, {route.last_vector:.0f} s after it is given; "
+        f"{vectoring.met(scenario, route):.0f} m before the aiming point, {last:.0f} s after it is given; "
         f"the law takes over {route.arm_late:.1f} s after it would turn in\ntrue airspeed: {speeds}"
     ]
 

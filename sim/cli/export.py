@@ -9,6 +9,7 @@ import itertools
 import json
 import math
 import os
+import shlex
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 RECORDS = ("flight", "measurements", "tracks")
 METRICS = "metrics.json"
+MIDNIGHT = 1767225600.0  # s since 1970: 2026-01-01, 0 h UTC
 FIGURE = ("ratio", "low", "high", "of", "against", "n")  # of a contrast
 
 
@@ -58,14 +60,50 @@ def export_tracks(
     """
     from sim.studies.recordings import DATE, write_recordings
 
-    begins = DATE
-    if date is not None:
-        try:
-            told = datetime.fromisoformat(date)
-        except ValueError:
-            raise OutputError(f"--date {date}: write it as 2026-01-01T12:00:00Z") from None
-        begins = (told if told.tzinfo is not None else told.replace(tzinfo=UTC)).timestamp()
+    begins = _begins(date, DATE)
     return write_recordings(folder, out, date=begins, workers=workers, plugins=plugins, progress=progress)
+
+
+def export_jsbsim(scenario: str, folder: Path, overrides: dict[str, Any], plugins: Any) -> list[str]:
+    """Write a scenario as a root of JSBSim that flies it alone; what was written and how to fly it, in lines."""
+    from sim.experiment import read
+    from sim.flight.jsbsim_root.folder import SCRIPT, write_jsbsim_root
+    from sim.flight.preparation import prepare
+
+    root = write_jsbsim_root(prepare(read(scenario, overrides, plugins=plugins)), folder)
+    fly = f"jsbsim --root={shlex.quote(str(folder))} --script={SCRIPT} --simulation-rate={root.rate:g}"
+    return [f"wrote {folder}: {len(root.files)} files, {root.components} components of its autopilot", f"fly it: {fly}"]
+
+
+def export_asterix(
+    folder: Path, date: str | None, draw: int | None, capture: bool, plugins: Any
+) -> tuple[list[str], list[str]]:
+    """Write the plots and tracks of a run into its folder as ASTERIX; what was written and what was left out, in words.
+
+    Without ``date`` the flight begins at midnight, so that times of day are its own. Raises ``OutputError`` in one
+    sentence for a folder that is not of a run, before anything is written.
+    """
+    from sim.results.asterix.files import write_asterix
+    from sim.results.loading import load
+
+    refuse_unwritten(folder)
+    if (folder / IDENTITY).is_file():
+        raise OutputError(f"{folder}: is of a study, which keeps no plots and tracks; name the folder of a run")
+    begins = _begins(date, MIDNIGHT)
+    result = load(folder, plugins=plugins)
+    with staged(folder) as place:
+        return write_asterix(result, place, begins=begins, draw=draw, capture=capture)
+
+
+def _begins(date: str | None, otherwise: float) -> float:
+    """s since 1970 of a date as it is told, in UTC where it names no zone."""
+    if date is None:
+        return otherwise
+    try:
+        told = datetime.fromisoformat(date)
+    except ValueError:
+        raise OutputError(f"--date {date}: write it as 2026-01-01T12:00:00Z") from None
+    return (told if told.tzinfo is not None else told.replace(tzinfo=UTC)).timestamp()
 
 
 def _tables(folder: Path) -> dict[str, Columns]:

@@ -95,23 +95,3 @@ def runs_of(prior: Gaussian, chosen: slice, runs: int) -> Gaussian:
         mean[..., chosen] if mean.ndim == 2 and mean.shape[-1] == runs else mean,
         cov[..., chosen] if cov.ndim == 3 and cov.shape[-1] == runs else cov,
     )
-
-
-def join_runs(parts: list[Track]) -> Track:
-    """One track of the tracks of some runs each; a covariance that serves all runs of all parts still does."""
-    if len(parts) == 1:
-        return parts[0]
-    joined: dict[str, Any] = {}
-    for name in ("mean", "white", "nis", "log_likelihood", "model_probabilities", "skipped"):
-        arrays = [getattr(part, name) for part in parts]
-        if name == "skipped" and any(array is not None for array in arrays):
-            arrays = [np.zeros(part.nis.shape, bool) if part.skipped is None else part.skipped for part in parts]
-        joined[name] = None if arrays[0] is None else np.concatenate(arrays, axis=-1)
-    covs = [part.cov if part.cov.ndim == 4 else part.cov[..., None] for part in parts]
-    if all(cov.shape[-1] == 1 for cov in covs):
-        joined["cov"] = parts[0].cov
-    else:
-        runs = [part.mean.shape[-1] for part in parts]
-        full = [np.broadcast_to(cov, (*cov.shape[:3], count)) for cov, count in zip(covs, runs, strict=True)]
-        joined["cov"] = np.concatenate(full, axis=-1)
-    return parts[0]._replace(**joined)

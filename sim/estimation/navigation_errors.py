@@ -47,7 +47,7 @@ class Sight(NamedTuple):
     localiser: Beam
     glide_path: Beam
     cross_track: float  # m, of its filter
-    wind: float  # m/s across the final, to the right, as it has worked it out
+    wind: float  # m/s across the final, to the right, as it has worked it out: of the air, or what the platform lacks
     height_error: float  # m, of the height that it believes on the glide path
 
 
@@ -56,7 +56,8 @@ class ErringNavigator:
     """Steps the errors along the flight; it has ``begin`` and ``step`` of a navigator.
 
     The filter is z' = u + w + 2 (m - z) / T, w' = (m - z) / T^2 for the measured cross-track m, the velocity u across
-    the final through the air, by heading and airspeed, and the wind w; the rate that the autopilot believes is u + w.
+    the final that the aircraft knows and what it lacks, w: through the air, by heading and airspeed, and the wind, or
+    over the ground and the drift of an inertial platform. The rate that the autopilot believes is u + w.
     On the glide path the height follows the beam with the lag T, its own rate being known. In level flight it is right.
     """
 
@@ -65,15 +66,15 @@ class ErringNavigator:
     streams: Streams
 
     def begin(self, state: AircraftState) -> tuple[Sight, AircraftState]:
-        """The aircraft knows its place, and the wind but for its first error."""
+        """The aircraft knows its place, and its motion but for its first error."""
         wrong = self.errors.wind * float(self.streams.generator("wind").standard_normal())
-        _, across = self.runway.from_local(*self._wind(state))
+        _, across = self.runway.from_local(state.velocity_north, state.velocity_east)
         past, z = self.runway.from_local(state.north, state.east)
         sight = Sight(
             self._beam("localiser", self._to_antenna(past)),
             self._beam("glide_path", self._to_aiming_point(past)),
             float(z),
-            float(across) + wrong,
+            float(across) - self._known(state) + wrong,
             0.0,
         )
         return self._seen(sight, state, float(z))
@@ -86,7 +87,7 @@ class ErringNavigator:
         measured = float(z) - distance * (self.errors.localiser_bias + self.errors.localiser_bend * bend)
         dt, time = after.time - before.time, self.errors.smoothing
         wrong = measured - sight.cross_track
-        believed = sight.cross_track + (self._through_the_air(after) + sight.wind + 2.0 * wrong / time) * dt
+        believed = sight.cross_track + (self._known(after) + sight.wind + 2.0 * wrong / time) * dt
         wind = sight.wind + wrong / (time * time) * dt
         to_go = self._to_aiming_point(past)
         path, bend = sight.glide_path.seen_at(to_go, self.errors.bend_length)
@@ -100,7 +101,7 @@ class ErringNavigator:
         """The state with the place and the velocity that the aircraft believes across the final, and its height."""
         _, across = self.runway.from_local(state.velocity_north, state.velocity_east)
         north, east = self.runway.to_local(0.0, sight.cross_track - z)
-        rate_north, rate_east = self.runway.to_local(0.0, self._through_the_air(state) + sight.wind - across)
+        rate_north, rate_east = self.runway.to_local(0.0, self._known(state) + sight.wind - across)
         seen = state._replace(
             north=state.north + float(north),
             east=state.east + float(east),
@@ -110,17 +111,12 @@ class ErringNavigator:
         )
         return sight, seen
 
-    def _through_the_air(self, state: AircraftState) -> float:
-        """Velocity through the air to the right of the final, m/s, by heading and airspeed."""
+    def _known(self, state: AircraftState) -> float:
+        """Velocity to the right of the final that the aircraft knows, m/s: over the ground, or by heading and airspeed
+        through the air."""
+        if self.errors.motion == "inertial":
+            return float(self.runway.from_local(state.velocity_north, state.velocity_east)[1])
         return float(state.airspeed * math.sin(state.heading + state.sideslip - self.runway.heading))
-
-    def _wind(self, state: AircraftState) -> tuple[float, float]:
-        """The way the air moves, m/s (north, east), of level flight."""
-        flown = state.heading + state.sideslip
-        return (
-            state.velocity_north - state.airspeed * math.cos(flown),
-            state.velocity_east - state.airspeed * math.sin(flown),
-        )
 
     def _to_antenna(self, past: Any) -> float:
         return max(self.errors.localiser_past - float(past), 0.0)

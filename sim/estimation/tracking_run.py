@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.errors import ScenarioError
-from sim.estimation.batching import can_batch, join_runs, repeat_runs, runs_of, split_track, stack_trackers
+from sim.estimation.batching import can_batch, repeat_runs, runs_of, split_track, stack_trackers
 from sim.estimation.look_ahead import LookAhead, Looks, instants_of, look_ahead_rmse
+from sim.estimation.many_draws.collected import CollectedTrack, filed, joined_errors
 from sim.estimation.own_trackers import set_up
 from sim.estimation.prior import prior
 from sim.estimation.recorded.judged import judge
@@ -20,17 +21,20 @@ from sim.estimation.without_truth.judged import figures_from_plots, with_agreeme
 from sim.estimation.without_truth.places import places
 from sim.estimation.without_truth.predicted_plots import PredictedPlots
 from sim.estimation.without_truth.two_plots import two_plot_start
+from sim.flight.interpolation import truth_at
 from sim.flight.outcomes import ROLLOUT
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics import conformance
 from sim.metrics.alarms import monitoring
+from sim.metrics.comparison import Compared
 from sim.metrics.contrasts.squares import squared_errors
 from sim.metrics.error_curves import ErrorCurves, curves_without_truth, error_curves
-from sim.metrics.tracker import TrackerErrors, plot_errors, skipped, tracker_errors, tracker_metrics
-from sim.observation.record import SensorRecord, measurements
+from sim.metrics.tracker import TrackerErrors, looked_for, plot_errors, skipped, tracker_errors, tracker_metrics
+from sim.observation.record import SensorRecord, measurements, of_draws
 from sim.observation.sensor import quantity_of
-from sim.workers.sharing import current
+from sim.scenario.budget import TOGETHER
+from sim.workers.sharing import ALONE, current
 from tracking.conformance import CONFORMANCE
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.track import Measurements, Track, TrackerError, believed, chunks, follow, is_recorded, modes_of, stepped
@@ -42,7 +46,7 @@ class Tracked(NamedTuple):
 
     tracker: Any
     law_from: str | None
-    measurements: Measurements
+    measurements: Measurements  # where the draws go through it in parts, those of the first draw
     track: Track  # to the end of the flight
     curves: ErrorCurves
     rollout: Track | None = None  # after the landing; None = nothing was measured then
@@ -62,6 +66,7 @@ class Watch(NamedTuple):
     records: dict[str, SensorRecord]
     trackers: dict[str, Any]  # of the scenario, which may hand over to each other
     number: int  # of the flight
+    parts: tuple[slice, ...]  # of the draws, which go through a tracker one after the other
 
 
 def track(
@@ -78,13 +83,11 @@ def track(
     """
     figures: dict[str, Any] = {}
     of_scenario = list(_of_scenario(prepared))
-    watch = Watch(prepared, flight, records, {one.name: one.tracker for one in of_scenario}, number)
+    parts = _parts(flight, records)
+    watch = Watch(prepared, flight, records, {one.name: one.tracker for one in of_scenario}, number, parts)
     every = {one.name: one for one in (*of_scenario, *_of_caller(_watched_by(prepared, records), own))}
-    last = float(flight.whole.time[-1])
-    arrived = {  # what would arrive after the end of the flight and its roll-out is left out
-        sensors: _between(measurements(records, sensors), -math.inf, last)
-        for sensors in dict.fromkeys(one.sensors for one in every.values())
-    }
+    once = len(parts) == 1  # what all trackers of the same sensors share is put together once
+    arrived = {one.sensors: _arrived(watch, one.sensors, parts[0]) for one in every.values()} if once else {}
     entries: list[Entry] = []
     tracked: dict[str, Tracked] = {}
     for one in every.values():
@@ -92,28 +95,28 @@ def track(
             "kind": one.kind, "law_from": one.law_from, "overall": {}, "by_phase": {}, "conformance": None,
             "monitor": None,
         }  # fmt: skip
-        seen = _between(arrived[one.sensors], -math.inf, float(flight.time[-1]))
         if is_recorded(one.tracker):
             if one.tracker.flight == number:
-                tracked[one.name], found = _brought(watch, one, arrived[one.sensors])
+                tracked[one.name], found = _brought(watch, one, arrived.get(one.sensors))
                 figures[one.name] |= found
             continue
-        if flight.known:
-            start = begins(prepared, one.name, one.sensors, seen, flight)
-        else:
-            start = _begun_by_plots(watch, one, seen)
+        begun = [_begins(watch, one, arrived.get(one.sensors), chosen) for chosen in parts]
+        start = min((first for first in begun if first is not None), default=None)
         if start is not None:  # otherwise never in sight: n/a, not an error
             entries.append(Entry(*one, start))
     since = {
         (sensors, start): _between(arrived[sensors], _first(flight, start), math.inf)
         for sensors, start in dict.fromkeys((entry.sensors, entry.start) for entry in entries)
+        if once
     }
-    groups = sorted(_groups(entries), key=lambda group: (group[0].name in own, -_size(group)))
+    alike = _groups(entries) if once else [[entry] for entry in entries]  # of many draws side by side gains nothing
+    groups = sorted(alike, key=lambda group: (group[0].name in own, -_size(group)))
     ours = [(group,) for group in groups if group[0].name not in own]
-    results = current().in_order(run_group, ours, (watch, since))
+    sharing = current() if once else ALONE  # a second process would hold a second copy of the records
+    results = sharing.in_order(run_group, ours, (watch, since))
     results += [run_group(watch, since, group) for group in groups[len(ours) :]]
     for group, result in zip(groups, results, strict=True):
-        record = since[group[0].sensors, group[0].start]
+        record = _record(watch, since, group[0], parts[0] if once else slice(0, 1))
         for entry, outcome in zip(group, result, strict=True):
             until = _between(record, -math.inf, float(flight.time[-1]))
             tracked[entry.name] = Tracked(
@@ -126,8 +129,9 @@ def track(
     return {name: tracked[name] for name in every if name in tracked}, figures
 
 
-def _brought(watch: Watch, one: SetUp, record: Measurements) -> tuple[Tracked, dict[str, Any]]:
-    """A track that was made elsewhere, and its figures."""
+def _brought(watch: Watch, one: SetUp, arrived: Measurements | None) -> tuple[Tracked, dict[str, Any]]:
+    """A track that was made elsewhere, and its figures; ``arrived`` are the looks of its sensors, if they are there."""
+    record = _arrived(watch, one.sensors, slice(None)) if arrived is None else arrived
     flight, sensors = watch.flight, _sensors_of(watch, one.sensors)
     if not flight.known:
         raise ScenarioError(
@@ -192,55 +196,102 @@ class Outcome(NamedTuple):
     squares: dict[str, Any] | None = None
 
 
-def run_group(
-    watch: Watch, since: dict[tuple[tuple[str, ...], float], Measurements], group: list[Entry]
-) -> list[Outcome]:
-    """Tracks and figures of trackers that run as one batch; ``since`` has their record, by sensors and first time."""
+Since = dict[tuple[tuple[str, ...], float], Measurements]
+"""What trackers take in, by their sensors and the time of their start."""
+
+
+def run_group(watch: Watch, since: Since, group: list[Entry]) -> list[Outcome]:
+    """Tracks and figures of trackers that run as one batch; ``since`` has their record, where draws go in one part."""
     flight, first = watch.flight, group[0]
-    record = since[first.sensors, first.start]
     begun = _prior(watch, first, first.tracker, first.start)
     sensors = _sensors_of(watch, first.sensors)
     trackers = [entry.tracker for entry in group]
-    ahead: Any
-    if flight.known:
-        ahead = LookAhead(trackers, flight, instants_of(flight, watch.records), record.arrival, sensors)
-    else:
-        seen = places(watch.prepared, sensors, measurements(watch.records, first.sensors))
-        ahead = PredictedPlots(trackers, record.arrival, seen)
-    draws = record.z.shape[2]
-    parts: list[list[Track]] = []
+    draws = watch.parts[-1].stop
+    found = [Found(CollectedTrack(), [], CollectedTrack(), []) for _ in group]
+    ahead: Any = None
     try:
-        # a run's estimate depends on no other, but memory does
-        for chosen in chunks(draws) if flight.known else (slice(0, draws),):
-            some = record if chosen == slice(0, draws) else record.runs(chosen)
+        for chosen in watch.parts:  # a run's estimate depends on no other, but memory does
+            some = _record(watch, since, first, chosen)
+            if chosen == watch.parts[0]:  # a few draws look ahead, and they are among the first
+                ahead = _looking_ahead(watch, first, trackers, some)
             one, count = stack_trackers(trackers, some.z.shape[2]), some.z.shape[2] * len(group)
+            shown = ahead if chosen == watch.parts[0] else None
             priors = runs_of(begun, chosen, draws)
-            # a few draws look ahead, and they are among the first
-            made = run_tracker(one, *repeat_runs(some, priors, len(group)), first.start, ahead if not parts else None)
+            made = run_tracker(one, *repeat_runs(some, priors, len(group)), first.start, shown)
             if made.mean.shape[2] != count:
                 raise TrackerError(f"estimate gives {made.mean.shape[2]} draws, not {count}")
-            parts.append(split_track(made, len(group)))
-        tracks = [join_runs([*own]) for own in zip(*parts, strict=True)]
+            for into, own in zip(found, split_track(made, len(group)), strict=True):
+                _collect(into, flight, sensors, own)
         looks = ahead.looks()
     except TrackerError as error:
         raise ScenarioError(f"[trackers.{first.name}] {error}") from error
     if not flight.known:
+        tracks = [one.track.whole() for one in found]
         return [
-            _judged_by_plots(watch, entry, own, figures_from_plots(own, entry.start, seen, predicted))
-            for entry, own, predicted in zip(group, tracks, looks, strict=True)
+            _judged_by_plots(watch, entry, made, figures_from_plots(made, entry.start, ahead.plots, predicted))
+            for entry, made, predicted in zip(group, tracks, looks, strict=True)
         ]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-        end = float(flight.time[-1])
-        until, after = _between(record, -math.inf, end), _between(record, math.nextafter(end, math.inf), math.inf)
-        plots = plot_errors(flight, sensors, height_profile(watch.prepared), until)
+        errors = [(joined_errors(one.errors), joined_errors(one.rolling_errors)) for one in found]
+        plots, rolling_plots = _plots(watch, _looked_at(watch, since, first), sensors, *errors[0])
         judged = []
-        for entry, own, looked in zip(group, tracks, looks, strict=True):
-            before, rolling = _parted(own, end)
-            errors = tracker_errors(flight, sensors, before, plots)
-            judged.append(_judged(watch, entry, before, errors, looked))
-            if rolling is not None:
-                judged[-1] = _with_rollout(watch, judged[-1], rolling, sensors, after)
+        for entry, gathered, (against, rolling), looked in zip(group, found, errors, looks, strict=True):
+            whole = gathered.track.whole()
+            off = TrackerErrors(truth_at(flight, whole.time), against, plots)
+            judged.append(_judged(watch, entry, whole, off, looked))
+            if rolling:
+                judged[-1] = _with_rollout(watch, judged[-1], gathered.rolling.whole(), rolling, rolling_plots)
         return judged
+
+
+Errors = dict[str, Compared]
+"""By comparison channel."""
+
+
+class Found(NamedTuple):
+    """What the parts of the draws gave for one tracker."""
+
+    track: CollectedTrack  # to the end of the flight
+    errors: list[Errors]  # of each part
+    rolling: CollectedTrack  # after the end of the flight
+    rolling_errors: list[Errors]
+
+
+def _collect(found: Found, flight: Flight, sensors: dict[str, Any], made: Track) -> None:
+    """Take in the track of some draws, with its errors where a truth is known."""
+    if not flight.known:
+        found.track.add(made)
+        return
+    before, rolling = _parted(made, float(flight.time[-1]))
+    for part, whole, into, errors in (
+        (before, flight, found.track, found.errors),
+        (rolling, flight.whole, found.rolling, found.rolling_errors),
+    ):
+        if part is not None:
+            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
+                errors.append(tracker_errors(whole, sensors, part, {}).estimates)
+                # covariances are most of a run's memory, and only maps still read them
+                into.add(part._replace(cov=part.cov.astype(np.float32)))
+
+
+def _plots(
+    watch: Watch, record: Measurements, sensors: dict[str, Any], errors: Errors, rolling: Errors
+) -> tuple[Errors, Errors]:
+    """Errors of what trackers were given, to the end of the flight and after it, as far as theirs are compared."""
+    flight, chart = watch.flight, height_profile(watch.prepared)
+    end = float(flight.time[-1])
+    until, after = _between(record, -math.inf, end), _between(record, math.nextafter(end, math.inf), math.inf)
+    plots = looked_for(errors, plot_errors(flight, sensors, chart, until))
+    return plots, looked_for(rolling, plot_errors(flight.whole, sensors, chart, after)) if rolling else {}
+
+
+def _looking_ahead(watch: Watch, first: Entry, trackers: list[Any], record: Measurements) -> Any:
+    """What is shown the epochs of batched trackers, and predicts from some of them."""
+    flight, sensors = watch.flight, _sensors_of(watch, first.sensors)
+    if flight.known:
+        return LookAhead(trackers, flight, instants_of(flight, watch.records), record.arrival, sensors)
+    seen = places(watch.prepared, sensors, measurements(watch.records, first.sensors))
+    return PredictedPlots(trackers, record.arrival, seen)
 
 
 def _parted(track: Track, end: float) -> tuple[Track, Track | None]:
@@ -260,20 +311,16 @@ def joined(first: Track, second: Track) -> Track:
     return Track(first.channels, *(None if a is None or b is None else np.concatenate((a, b)) for a, b in parts))
 
 
-def _with_rollout(
-    watch: Watch, judged: Outcome, rolling: Track, sensors: dict[str, Any], record: Measurements
-) -> Outcome:
+def _with_rollout(watch: Watch, judged: Outcome, rolling: Track, own: Errors, plots: Errors) -> Outcome:
     """What was found of a tracker with its figures in the roll-out: a phase of its own, not in the others."""
     whole = watch.flight.whole
-    errors = tracker_errors(
-        whole, sensors, rolling, plot_errors(whole, sensors, height_profile(watch.prepared), record)
-    )
+    errors = TrackerErrors(truth_at(whole, rolling.time), own, plots)
     figures = _with_phase(judged.figures, tracker_metrics(whole, rolling, errors))
     squares = judged.squares
     if squares is not None:
-        squares = _with_phase(squares, squared_errors(whole, rolling, errors))
-    rolled = rolling._replace(cov=rolling.cov.astype(np.float32))
-    return judged._replace(figures=figures, rollout=rolled, squares=squares)
+        after = squared_errors(whole, rolling, errors)
+        squares = _with_phase(squares, filed(after) if len(watch.parts) > 1 else after)
+    return judged._replace(figures=figures, rollout=rolling, squares=squares)
 
 
 def _with_phase(tables: dict[str, Any], rolling: dict[str, Any]) -> dict[str, Any]:
@@ -293,8 +340,9 @@ def _judged(watch: Watch, entry: Entry, made: Track, errors: TrackerErrors, look
     curves = error_curves(watch.flight, sensors, made, errors)
     contrasted = any(entry.name in (one.of, one.against) for one in watch.prepared.scenario.contrasts)
     squares = {**squared_errors(watch.flight, made, errors), "look_ahead": looked} if contrasted else None
-    # covariances are most of a run's memory, and only maps still read them
-    return Outcome(made._replace(cov=made.cov.astype(np.float32)), curves, figures, squares=squares)
+    if squares is not None and len(watch.parts) > 1:
+        squares = filed(squares)
+    return Outcome(made, curves, figures, squares=squares)
 
 
 def _judged_by_plots(watch: Watch, entry: Entry, made: Track, figures: dict[str, Any]) -> Outcome:
@@ -334,6 +382,46 @@ def _groups(entries: list[Entry]) -> list[list[Entry]]:
 def _size(group: list[Entry]) -> int:
     """How many hypotheses run as one: the longest work goes first where it is shared."""
     return sum(len(modes_of(entry.tracker)) or 1 for entry in group)
+
+
+def _parts(flight: Flight, records: dict[str, SensorRecord]) -> tuple[slice, ...]:
+    """The draws that go through a tracker at once; without a truth, all."""
+    draws = next((record.z.shape[2] for record in records.values()), 0)
+    return tuple(chunks(draws, TOGETHER)) if flight.known and draws else (slice(0, draws),)
+
+
+def _arrived(watch: Watch, sensors: tuple[str, ...], chosen: slice) -> Measurements:
+    """What some draws of sensors measured; what would arrive after the flight and its roll-out is left out."""
+    record = measurements(of_draws(watch.records, chosen), sensors)
+    return _between(record, -math.inf, float(watch.flight.whole.time[-1]))
+
+
+def _record(watch: Watch, since: Since, entry: Entry, chosen: slice) -> Measurements:
+    """What some draws of a tracker take in, from its start on."""
+    whole = since.get((entry.sensors, entry.start))
+    if whole is not None:
+        return whole
+    return _between(_arrived(watch, entry.sensors, chosen), _first(watch.flight, entry.start), math.inf)
+
+
+def _looked_at(watch: Watch, since: Since, entry: Entry) -> Measurements:
+    """What all draws of a tracker take in; where that is not put together once, with the accuracies of one draw."""
+    if since:
+        return since[entry.sensors, entry.start]
+    plain = {
+        name: record._replace(R=record.R[..., 0] if record.R.ndim == 4 else record.R)
+        for name, record in watch.records.items()
+    }
+    return _record(watch._replace(records=plain), since, entry, slice(0, watch.parts[-1].stop))
+
+
+def _begins(watch: Watch, one: SetUp, arrived: Measurements | None, chosen: slice) -> float | None:
+    """When a track of some draws begins, s; None = it never does. ``arrived`` is what they measured, where known."""
+    record = _arrived(watch, one.sensors, chosen) if arrived is None else arrived
+    seen = _between(record, -math.inf, float(watch.flight.time[-1]))
+    if watch.flight.known:
+        return begins(watch.prepared, one.name, one.sensors, seen, watch.flight)
+    return _begun_by_plots(watch, one, seen)
 
 
 def begins(

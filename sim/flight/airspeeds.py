@@ -9,7 +9,6 @@ from autopilot.approach import Approach
 from autopilot.design import SCHEDULED, Designed
 from autopilot.landing import REFERENCE_MARGIN
 from sim.scenario.model import Scenario
-from sim.scenario.tables import LegsTable
 
 MANOEUVRE_MARGIN = 1.4  # of the speed of a leg over the stall: the least flaps that keep it are set
 REFERENCE_ADDITION = 2.5  # m/s over the reference speed, at least
@@ -20,6 +19,12 @@ def level_speeds(scenario: Scenario) -> list[tuple[str, float, float]]:
     """(where, true, equivalent) airspeed of everything flown before a glide path, m/s, in the order of the route."""
     share = scenario.air.equivalent_share
     return [(where, speed, speed * share(height)) for where, speed, height in scenario.route.levels]
+
+
+def extremes(scenario: Scenario) -> tuple[float, float]:
+    """The slowest and the fastest true airspeed before a glide path, m/s."""
+    speeds = [speed for _, speed, _ in scenario.route.levels]
+    return min(speeds), max(speeds)
 
 
 def least_approach_speed(aircraft: AircraftData, flaps: float, mass: float) -> float:
@@ -49,16 +54,16 @@ def remarks(scenario: Scenario, approach: Approach, aircraft: AircraftData, gain
         if equivalent < (1.0 - 1e-9) * MANOEUVRE_MARGIN * stall
     ]
     told += _above_placard(aircraft, approach.flaps, max(equivalent for _, _, equivalent in speeds))
-    if landing is None or isinstance(scenario.route, LegsTable):
+    asked = scenario.route.approach_speed
+    if landing is None or asked is None:
         return told
-    asked, flown = scenario.route.approach_speed, landing.approach_speed
+    flown, share = landing.approach_speed, scenario.air.equivalent_share(scenario.route.levels[-1][2])
     if flown > asked:
-        share = scenario.air.equivalent_share(scenario.route.height)
         told.append(
             f"the approach speed was raised from {asked:.1f} to {flown:.1f} m/s true, from {share * asked:.1f} to "
             f"{share * flown:.1f} m/s equivalent: {REFERENCE_MARGIN} of the stall speed and {REFERENCE_ADDITION} m/s"
         )
-    power = _level_power(gains, scenario.air.equivalent_share(scenario.route.height) * flown)
+    power = _level_power(gains, share * flown)
     if power > 1.0:
         told.append(
             f"level flight with flaps at {math.degrees(landing.flaps):.0f} deg and gear out would take {power:.2f} of "

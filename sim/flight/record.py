@@ -25,7 +25,7 @@ ROW = np.dtype(
         ("phase", np.int64),
     ]
 )
-PLAIN = struct.Struct(f"={len(AircraftState._fields) + len(Command._fields)}d2q")  # the same
+PLAIN = struct.Struct(f"@{len(AircraftState._fields) + len(Command._fields)}d2q")  # the same
 SET_ASIDE = 36_000  # rows, 20 minutes; memory that is never written costs nothing
 
 

@@ -46,6 +46,8 @@ class Plots(NamedTuple):
     height_sigma: np.ndarray | None  # (k,) m
     position_sigma: np.ndarray | None  # (k,) m, north and east alike
     remarks: tuple[str, ...] = ()  # what may be meant otherwise
+    sea_level_height: np.ndarray | None = None  # (k,) m above the sea, as a radar measures it
+    antenna: tuple[float, float, float] | None = None  # where the file says that it stands: rad, rad, m above the sea
 
 
 def read_plots(content: bytes, target: str | None = None) -> Plots:
@@ -91,7 +93,8 @@ def _of_cells(found: Columns, target: str | None) -> Plots:
     table.refuse("longitude", values["longitude"], lambda v: np.abs(v) > TURN, "is no longitude")
     for field in ("range_sigma", "azimuth_sigma", "height_sigma", "position_sigma"):
         table.refuse(field, values[field], lambda v: v <= 0.0, "is a standard deviation that is not above 0")
-    return Plots(stamps, **values, remarks=tuple(_doubts(table, values["azimuth"])))
+    remarks = tuple(_doubts(table, values["azimuth"]))
+    return Plots(stamps, **values, remarks=remarks, antenna=None)
 
 
 def _doubts(table: CellTable, azimuth: np.ndarray | None) -> list[str]:

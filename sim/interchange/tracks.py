@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
 
 from sim.errors import ScenarioError, did_you_mean
+from sim.files import opened, read_bytes
+from sim.interchange.asterix.reading import is_asterix
+from sim.interchange.asterix.tracks import read_flights
 from sim.interchange.columns import NEEDED, QUANTITIES, Column, recognised
 from sim.interchange.stamps import numbers, since_1970, stamps
 from sim.interchange.tables import Cells, table_of
@@ -33,15 +37,19 @@ def read_tracks(
 
     Parameters
     ----------
-    path : CSV or Parquet, a plain file of at most 1 GB
+    path : CSV or Parquet, a plain file of at most 1 GB; or ASTERIX (CAT062, CAT021) as it stands or in a capture
     flight : the only one that is wanted
 
     Raises ``ScenarioError``, in one sentence, for what is no table of tracks, and for a flight that is not there.
     """
     path = Path(path)
+    told: tuple[str, ...] = ()
     try:
-        names, table = _read(path, columns)
-        tracks = dict(_flights(path.stem, names, table))
+        if asterix := _asterix(path):
+            names, table, told = read_flights(asterix)
+        else:
+            names, table = _read(path, columns)
+        tracks = dict(_flights(path.stem, names, table, told))
     except ValueError as error:
         raise error if isinstance(error, ScenarioError) else ScenarioError(f"{path}: {error}") from None
     if flight is None:
@@ -49,6 +57,21 @@ def read_tracks(
     if flight not in tracks:
         raise ScenarioError(f"{path}: no flight '{flight}'; {did_you_mean(flight, list(tracks)[:1000])}")
     return {flight: tracks[flight]}
+
+
+def _asterix(path: Path) -> bytes:
+    """The content of a file of ASTERIX; nothing of another one, or of one that cannot be opened."""
+    try:
+        with os.fdopen(opened(path, os.O_RDONLY), "rb") as file:
+            begins = file.read(4)
+    except (OSError, ValueError):
+        return b""
+    if not is_asterix(begins, path.name):
+        return b""
+    try:
+        return read_bytes(path)
+    except OSError as error:
+        raise ValueError(f"cannot be read: {error.strerror}") from None
 
 
 def _read(path: Path, told: Mapping[str, str] | None) -> tuple[dict[str, list[str]], dict[str, np.ndarray]]:
@@ -97,11 +120,13 @@ def _refuse_wild(quantity: str, column: Column, values: np.ndarray, most: float)
     values[wild] = np.nan
 
 
-def _flights(stem: str, names: dict[str, list[str]], table: dict[str, np.ndarray]) -> Iterator[tuple[str, TrackRecord]]:
+def _flights(
+    stem: str, names: dict[str, list[str]], table: dict[str, np.ndarray], told: tuple[str, ...]
+) -> Iterator[tuple[str, TrackRecord]]:
     """Name and record of each flight."""
     by = next((quantity for quantity in GROUPED if quantity in table and (table[quantity] >= 0).any()), None)
     if by is None:
-        yield stem, _record(stem, table, np.arange(len(table["time"])))
+        yield stem, _record(stem, table, np.arange(len(table["time"])), told)
         return
     code = table[by]
     order = np.argsort(code, kind="stable")
@@ -110,7 +135,7 @@ def _flights(stem: str, names: dict[str, list[str]], table: dict[str, np.ndarray
     pieces = pieces[1:] if nameless else pieces
     if len(pieces) > MOST_FLIGHTS:
         raise ValueError(f"names {len(pieces)} flights, more than the {MOST_FLIGHTS} of one file; split it")
-    told = (f"{nameless} rows of the file name no {by} and belong to no flight",) if nameless else ()
+    told += (f"{nameless} rows of the file name no {by} and belong to no flight",) if nameless else ()
     taken: dict[str, int] = {}
     for piece in sorted(pieces, key=lambda piece: int(piece[0])):
         own = names[by][code[piece[0]]]

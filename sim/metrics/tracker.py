@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import bisect
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -29,9 +28,15 @@ class TrackerErrors(NamedTuple):
 
 def plot_errors(flight: Flight, sensors: dict[str, Any], chart: Charted, record: Measurements) -> dict[str, Compared]:
     """Errors of measurements in order of arrival; a plot is compared with the truth at the time it was taken."""
-    order = np.argsort(record.arrival, kind="stable")
+    order: Any = np.argsort(record.arrival, kind="stable")
+    order = slice(None) if (np.diff(order) == 1).all() else order  # the usual case: no copy
     taken = truth_at(flight, record.time[order])
     return comparison.raw(flight, taken, record.channels, record.z[order], sensors, chart)
+
+
+def looked_for(errors: dict[str, Compared], plots: dict[str, Compared]) -> dict[str, Compared]:
+    """The errors of measurements with which those of estimates are compared, and those that say a place."""
+    return {channel: plot for channel, plot in plots.items() if channel in errors or comparison.says_place(channel)}
 
 
 def tracker_errors(flight: Flight, sensors: dict[str, Any], track: Track, plots: dict[str, Compared]) -> TrackerErrors:
@@ -62,8 +67,9 @@ def tracker_metrics(flight: Flight, track: Track, errors: TrackerErrors) -> dict
         if errors.present is not None and not np.isfinite(squares).all():  # it states no covariance
             figures |= dict.fromkeys(("anees", "anees_low", "anees_high", "lost_fraction", "lost_time_s"))
         else:
-            figures["lost_fraction"] = float(np.mean(consistency.lost(squares, dimension)))
-            figures["lost_time_s"] = _lost_time(track.time, squares, dimension)
+            lost = consistency.lost_by(squares, dimension)
+            figures["lost_fraction"] = float(np.mean(lost[-1]))
+            figures["lost_time_s"] = _lost_time(track.time, lost)
     rows = np.isfinite(track.white).sum(axis=1)
     if rows.any():
         figures["anis"] = float(np.sum(np.where(rows > 0, track.nis, 0.0)) / rows.sum())
@@ -93,12 +99,10 @@ def where_measured(errors: TrackerErrors) -> Iterator[tuple[str, np.ndarray, np.
             yield channel, squares, measured, looked
 
 
-def _lost_time(time: np.ndarray, squares: np.ndarray, dimension: int) -> float | None:
+def _lost_time(time: np.ndarray, lost: np.ndarray) -> float | None:
     """When the first of the draws was lost, s; None = never."""
-    before = bisect.bisect_left(
-        range(len(time)), True, key=lambda k: consistency.lost(squares[: k + 1], dimension).any()
-    )
-    return float(time[before]) if before < len(time) else None
+    ever = lost.any(axis=1)
+    return float(time[np.argmax(ever)]) if ever.any() else None
 
 
 def mean_of_present(values: np.ndarray, present: np.ndarray | None) -> np.ndarray:

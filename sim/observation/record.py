@@ -41,6 +41,17 @@ class SensorRecord(NamedTuple):
         candidates = None if self.candidates is None else self.candidates[kept]
         return SensorRecord(self.channels, self.time[kept], self.arrival[kept], self.z[kept], self.R[kept], candidates)
 
+    def draws(self, chosen: slice) -> SensorRecord:
+        """The looks in some of the draws: views."""
+        R = self.R if self.R.ndim == 3 else self.R[..., chosen]
+        candidates = None if self.candidates is None else self.candidates[..., chosen]
+        return self._replace(z=self.z[..., chosen], R=R, candidates=candidates)
+
+
+def of_draws(records: dict[str, SensorRecord], chosen: slice) -> dict[str, SensorRecord]:
+    """What all sensors measured in some of the draws."""
+    return {name: record.draws(chosen) for name, record in records.items()}
+
 
 def observe(
     flight: Flight,

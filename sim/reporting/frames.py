@@ -42,7 +42,7 @@ def _measurements(run: Run) -> Iterator[Columns]:
 
 
 def _trackers(run: Run) -> Iterator[Columns]:
-    yield from _named("tracker", groups(track_arrays(run.tracks)))
+    yield from _named("tracker", groups(dict(track_arrays(run.tracks))))
 
 
 def _named(what: str, arrays: dict[str, Columns]) -> Iterator[Columns]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -71,22 +71,22 @@ def measurement_arrays(records: Mapping[str, SensorRecord]) -> dict[str, np.ndar
     return arrays
 
 
-def track_arrays(tracks: Mapping[str, Tracked]) -> dict[str, np.ndarray]:
-    """Estimates of all draws in single precision (a millimetre), the whole covariance of draw 0."""
-    arrays: dict[str, np.ndarray] = {}
+def track_arrays(tracks: Mapping[str, Tracked]) -> Iterator[tuple[str, np.ndarray]]:
+    """Estimates of all draws in single precision (a millimetre), the whole covariance of draw 0; by name, in turn."""
     for name, one in tracks.items():
         track = one.track if one.rollout is None else joined(one.track, one.rollout)
-        cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
+        cov = np.asarray(track.cov if track.cov.ndim == 4 else track.cov[..., None])
         with np.errstate(invalid="ignore"):  # a lost track is a result
             sigma = np.sqrt(np.einsum("kiin->kin", cov))
-        arrays[f"{name}.time_s"] = track.time
-        arrays[f"{name}.channels"] = np.array(track.channels)
-        arrays[f"{name}.mean"] = track.mean.astype(np.float32)
-        arrays[f"{name}.sigma"] = sigma.astype(np.float32)
-        arrays[f"{name}.cov_of_draw_0"] = cov[..., 0].copy()  # a view would keep those of all draws
+        one_draw = cov[..., 0].copy()  # a view would keep those of all draws
+        del cov
+        yield f"{name}.time_s", track.time
+        yield f"{name}.channels", np.array(track.channels)
+        yield f"{name}.mean", track.mean.astype(np.float32)
+        yield f"{name}.sigma", sigma.astype(np.float32)
+        yield f"{name}.cov_of_draw_0", one_draw
         if track.model_probabilities is not None:
-            arrays[f"{name}.model_probabilities"] = track.model_probabilities
-    return arrays
+            yield f"{name}.model_probabilities", np.asarray(track.model_probabilities)
 
 
 def plot_columns(record: SensorRecord, candidates: np.ndarray) -> dict[str, np.ndarray]:

@@ -68,7 +68,7 @@ def load(folder: str | Path, *, plugins: Plugins = (), trackers: Mapping[str, An
 
     def tracked() -> dict[str, Tracked]:
         found = track(prepared, flight, dict(records), own, number)[0]
-        _hold(place / TRACKS, track_arrays(found))
+        _hold(place / TRACKS, dict(track_arrays(found)))
         return found
 
     records = Again(scenario.sensors, looked)

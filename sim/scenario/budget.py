@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 from pathlib import Path
 
 from sim.errors import OutputError, ScenarioError
@@ -10,11 +12,14 @@ from sim.scenario.model import Scenario
 USUAL_FLIGHT = 600.0  # s, where the scenario does not say until when
 MOST_FLIGHTS = 10_000  # of one run, which starts anew when it is stopped
 WORKER_SIZE = 350 << 20  # bytes of one worker, measured below this
+TOGETHER = 512  # draws that go through a tracker at once
 LOOK = 200  # bytes of one look in one draw of one tracker, at least: measurement, estimate, innovation
+FILED = 160  # bytes of it in a file, where draws do not go through a tracker at once: estimate, covariance, innovation
+RECORDED, JUDGED = 60, 250  # bytes of one look in one draw that stay: of a sensor, and of the tracker that is judged
 
 
 def refuse_too_much(scenario: Scenario) -> None:
-    """Raise ``ScenarioError`` for too many flights, or where the records of all draws cannot fit into free memory."""
+    """Raise ``ScenarioError`` for too many flights, or for more draws than memory and temporary folder can hold."""
     if scenario.repetitions > MOST_FLIGHTS:
         raise ScenarioError(
             f"{scenario.name}: flights: {scenario.repetitions} are more than the {MOST_FLIGHTS} of one run; "
@@ -22,12 +27,23 @@ def refuse_too_much(scenario: Scenario) -> None:
         )
     seconds = scenario.until or USUAL_FLIGHT
     looks = {name: seconds / sensor.period for name, sensor in scenario.sensors.items()}
-    each = sum(looks.values()) + sum(looks[name] for one in scenario.trackers.values() for name in one.sensors)
-    free, needed = available_memory(), scenario.draws * each * LOOK
+    of_trackers = [sum(looks[name] for name in one.sensors) for one in scenario.trackers.values()]
+    longest, parted = max(of_trackers, default=0.0), scenario.draws > TOGETHER
+    needed = min(scenario.draws, TOGETHER) * LOOK * (sum(looks.values()) + (longest if parted else sum(of_trackers)))
+    if parted:  # one tracker after the other
+        needed += scenario.draws * (sum(looks.values()) * RECORDED + longest * JUDGED)
+    free = available_memory()
     if free is not None and needed > free:
         raise ScenarioError(
             f"{scenario.name}: draws: {scenario.draws} need about {needed / 1e9:.1f} GB of memory and "
             f"{free / 1e9:.1f} GB are free; take fewer, or a study"
+        )
+    folder = tempfile.gettempdir()
+    room, filed = shutil.disk_usage(folder).free, scenario.draws * sum(of_trackers) * FILED
+    if parted and filed > room:
+        raise ScenarioError(
+            f"{scenario.name}: draws: {scenario.draws} need about {filed / 1e9:.1f} GB in {folder} and "
+            f"{room / 1e9:.1f} GB are free; take fewer, or name another folder by TMPDIR"
         )
 
 

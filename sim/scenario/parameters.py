@@ -13,12 +13,12 @@ import functools
 import math
 import types
 import typing
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Annotated, Any, ParamSpec, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
 
-from aircraft.units import MAGNITUDES, PLAIN, spellings
+from aircraft.units import MAGNITUDES, PLAIN, WORDS, spellings
 from sim.scenario.messages import stem
 
 P = ParamSpec("P")
@@ -132,12 +132,11 @@ def model_of(
         required = parameter.required and not partial
         if len(parameter.keys) == 1 and required:
             ((key, factor),) = parameter.keys.items()
-            fields[key] = (_numbers(parameter.kind, parameter.unit, factor), ...)
+            described = _in_words(parameter, key, factor)
+            fields[key] = (_numbers(parameter.kind, parameter.unit, factor), Field(description=described))
         else:
             for key, factor in parameter.keys.items():
-                described = _default_in_words(parameter, factor)
-                if key in parameter.indicated_keys:
-                    described = f"indicated airspeed, instead of '{parameter.name}', which is true"
+                described = _in_words(parameter, key, factor)
                 hint = _numbers(parameter.kind, parameter.unit, factor)
                 fields[key] = (hint | None, Field(default=None, description=described))
     if kind is not None:
@@ -166,7 +165,26 @@ def model_of(
         return table
 
     validators: dict[str, Any] = {"one_spelling": model_validator(mode="before")(one_spelling)}
-    return create_model(cls.__name__, __config__=ConfigDict(extra="forbid"), __validators__=validators, **fields)
+    told: list[Any] = [_one_of(parameter.keys, parameter.name in needed) for parameter in spelt]
+    config = ConfigDict(extra="forbid", json_schema_extra={"allOf": told} if told else None)
+    about = (cls.__doc__ or "").partition("\n")[0]
+    return create_model(cls.__name__, __config__=config, __doc__=about, __validators__=validators, **fields)
+
+
+def _one_of(keys: Iterable[str], required: bool) -> dict[str, Any]:
+    """As a JSON Schema: that a table has one of the spellings of a value, or one at most."""
+    each: list[dict[str, Any]] = [{"required": [key]} for key in keys]
+    return {"oneOf": each if required else [*each, {"not": {"anyOf": each}}]}
+
+
+def _in_words(parameter: Parameter, key: str, factor: float) -> str | None:
+    """What an editor says of a key: its unit, and what holds without it."""
+    told = [] if parameter.unit is None else [f"in {WORDS[key.removeprefix(f'{stem(key)}_')]}"]
+    if key in parameter.indicated_keys:
+        told.append(f"indicated airspeed, instead of '{parameter.name}', which is true")
+    elif (default := _default_in_words(parameter, factor)) is not None:
+        told.append(default)
+    return "; ".join(told) or None
 
 
 def _default_in_words(parameter: Parameter, factor: float) -> str | None:

@@ -218,6 +218,7 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
             faults, name, catalogue.load("trackers", entry["kind"]), entry, all_sensors, all_trackers, runway
         )
         for name, entry in tables.get("trackers", {}).items()
+        if isinstance(whole.get("sensors", {}), dict)  # else it is not known what they could listen to
     }
     for i, entry in numbers("sensor_faults"):
         if (own := entry["sensor"]) not in all_sensors:

@@ -1,4 +1,4 @@
-"""The pydantic model of one scenario file, for the kinds that it uses; of all kinds together, its JSON Schema."""
+"""The pydantic model of one scenario file, for the kinds that it uses."""
 
 from __future__ import annotations
 
@@ -79,12 +79,12 @@ MODELS: dict[str, Callable[[type, str], type[BaseModel]]] = {
 }
 
 
-def _route_model(kind: str) -> type[BaseModel]:
+def route_model(kind: str) -> type[BaseModel]:
     return model_of(ROUTES[kind], kind, defaulted_kind=kind == "pattern")
 
 
 @functools.lru_cache(maxsize=MOST_MODELS)
-def _wind_model(events: Any) -> type[BaseModel]:
+def wind_model(events: Any) -> type[BaseModel]:
     return create_model("wind", __base__=model_of(WindTable), events=(events, {}))
 
 
@@ -130,32 +130,6 @@ def file_model(route: Any, autopilot: Any, wind: Any, sensors: Any, trackers: An
     )
 
 
-def schema(catalogue: Catalogue = BUNDLED) -> dict[str, Any]:
-    """JSON Schema of a scenario file over all kinds that are bundled or brought; installed ones are not imported."""
-
-    def union(models: list[type[BaseModel]]) -> Any:
-        if len(models) == 1:
-            return models[0]
-        # by its kind: an editor then says which kinds there are, and what is wrong with the one that is meant
-        return Annotated[typing.Union[tuple(models)], Field(discriminator="kind")]  # noqa: UP007 (built at run time)
-
-    def models(family: str) -> Any:
-        kinds = [*bundled.kinds(family), *(part.kind for part in catalogue.parts if part.family == family)]
-        return union([MODELS[family](catalogue.load(family, kind), kind) for kind in sorted(kinds)])
-
-    def named(family: str) -> Any:
-        return types.GenericAlias(dict, (str, models(family)))
-
-    parts: dict[str, Any] = {
-        "route": union([_route_model(kind) for kind in ROUTES]),
-        "wind": _wind_model(named("wind_events")),
-        "autopilot": models("modes"),
-        "sensors": named("sensors"),
-        "trackers": named("trackers"),
-    }
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **file_model(**parts).model_json_schema()}
-
-
 def owner_of(tables: dict[str, Any], place: list[Any], key: str) -> str | None:
     """Which bundled kinds of sensor have a key that the kind at a place has not, as a hint; None = no other."""
     if len(place) != 2 or place[0] != "sensors":
@@ -174,7 +148,7 @@ def parts_of(tables: dict[str, Any], faults: list[str], catalogue: Catalogue) ->
     parts: dict[str, Any] = {}
     route = kind_of(tables.get("route", {}), "pattern")
     if route in list(ROUTES):  # it may be anything, also what cannot be a key
-        parts["route"] = _route_model(route)
+        parts["route"] = route_model(route)
     else:
         faults.append(f"[route] kind: no kind '{route}'; {did_you_mean(str(route), ROUTES)}")
         parts["route"] = Any
@@ -184,7 +158,7 @@ def parts_of(tables: dict[str, Any], faults: list[str], catalogue: Catalogue) ->
     parts["trackers"] = _members("trackers", "trackers", tables.get("trackers"), faults, catalogue)
     wind = tables.get("wind")
     events = wind.get("events") if isinstance(wind, dict) else None
-    parts["wind"] = _wind_model(_members("wind_events", "wind.events", events, faults, catalogue))
+    parts["wind"] = wind_model(_members("wind_events", "wind.events", events, faults, catalogue))
     return parts
 
 

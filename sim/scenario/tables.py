@@ -195,6 +195,7 @@ class LegsTable:
     legs: tuple[LegTable, ...]
 
     final: ClassVar[int | None] = None  # no leg ends on the runway
+    approach_speed: ClassVar[float | None] = None
 
     def __post_init__(self) -> None:
         if not self.legs:

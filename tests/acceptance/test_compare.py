@@ -1,4 +1,12 @@
-"""What `compare` finds between runs of an26_turbulence with 8 flights: nothing between seeds, a changed law always."""
+"""What `compare` finds between runs of an26_turbulence with 8 flights: nothing between seeds, a changed law always.
+
+    python -m pytest -m acceptance tests/acceptance/test_compare.py
+
+flies 2400 flights of about a second of one core each. The method is that of ``sim.studies.comparing.judging``: all
+metrics together, by arrangements of the flights, with an error of 2.5 % over the family of all metrics. A user who
+changes a key keeps the seed, so that the second figure is of pairs of flights; between runs of different seeds,
+turbulence hides so small a change, and that is told beside it.
+"""
 
 from functools import cache
 
@@ -21,14 +29,22 @@ def flown(seed, factor=1.0):
     return sim.run("an26_turbulence", seed=seed, flights=FLIGHTS, workers=2, overrides=changed)
 
 
+def told(a, b):
+    """Whether a comparison says that anything has changed."""
+    found = sim.compare(a, b)
+    return found.differs or bool(found.changed)
+
+
 def test_between_seeds_nothing_changes(row):
     """Independent pairs: seeds 1 and 2, 3 and 4, and so on."""
-    quiet = sum(not sim.compare(flown(seed), flown(seed + 1)).changed for seed in range(1, 2 * PAIRS, 2))
+    quiet = sum(not told(flown(seed), flown(seed + 1)) for seed in range(1, 2 * PAIRS, 2))
     row("pairs of seeds without a flagged metric", f">= {QUIET} of {PAIRS}", str(quiet), quiet >= QUIET)
     assert quiet >= QUIET
 
 
 def test_a_cross_track_limit_changed_by_a_tenth_is_found(row):
-    found = sum(bool(sim.compare(flown(seed), flown(seed, 1.1)).changed) for seed in range(1, PAIRS + 1))
-    row("cross-track limit changed by 10 %: found", f">= {FOUND} of {PAIRS}", str(found), found >= FOUND)
+    found = sum(told(flown(seed), flown(seed, 1.1)) for seed in range(1, PAIRS + 1))
+    hidden = sum(told(flown(seed), flown(seed + 1, 1.1)) for seed in range(1, PAIRS, 2))
+    measured = f"{found} (of {PAIRS // 2} pairs of different seeds: {hidden})"
+    row("cross-track limit changed by 10 %: found", f">= {FOUND} of {PAIRS}", measured, found >= FOUND)
     assert found >= FOUND

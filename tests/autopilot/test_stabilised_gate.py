@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from autopilot.stabilised_gate import FRESH, StabilisedGate
+from autopilot.stabilised_gate import StabilisedGate
 
 DT = 1.0 / 30.0
 GATE = StabilisedGate()
@@ -12,7 +12,7 @@ GATE = StabilisedGate()
 def first_miss(gate, airspeed_error=0.0, sink=2.7, height_error=0.0, cross_track=0.0, distance=3000.0, seconds=30.0):
     """Time of the miss of a record whose signals are floats or functions of time, None without one."""
     signals = airspeed_error, sink, height_error, cross_track
-    s = FRESH
+    s = gate.begin()
     for k in range(round(seconds / DT)):
         values = [signal(k * DT) if callable(signal) else signal for signal in signals]
         s = gate.step(s, *values, distance, DT)
@@ -56,7 +56,7 @@ def test_mean_is_the_moving_mean():
     rng = np.random.default_rng(4)
     sink = 5.0 + rng.normal(0.0, 1.5, 900).cumsum() * 0.05
     gate = StabilisedGate(persistence=0.0)
-    s, missed = FRESH, []
+    s, missed = gate.begin(), []
     for value in sink:
         s = gate.step(s, 0.0, float(value), 0.0, 0.0, 3000.0, DT)
         missed.append(gate.missed(s))

@@ -77,7 +77,7 @@ def positions(runs: int | None, steps: int, seed: int = 1) -> Measurements:
     return Measurements(("radar.north", "radar.east"), now, now, z, R)
 
 
-def ours(tracker, measurements: Measurements, prior: Gaussian, size: int = 1024) -> Callable[[], None]:
+def ours(tracker, measurements: Measurements, prior: Gaussian, size: int = 1536) -> Callable[[], None]:
     """Stream a record through a tracker, chunk by chunk."""
     runs = measurements.z.shape[2] if measurements.z.ndim == 3 else None
 
@@ -169,8 +169,8 @@ def interacting_models(rounds: int = 7) -> list[Row]:
             Contestant("IMM 3x4x2, filterpy", filterpy_imm(single), 100),
             *kalbee_imm(single),
             Contestant("IMM 3x4x2, 1 run", ours(tracker, single, PRIOR), 100, 4.0),
-            Contestant("IMM 3x4x2, 130 runs", ours(tracker, hundred, PRIOR), 60 * 130, 200.0),
-            Contestant("IMM 3x4x2, 10,000 runs in chunks of 1024", ours(tracker, many, PRIOR), 12 * 10_000, 350.0),
+            Contestant("IMM 3x4x2, 130 runs", ours(tracker, hundred, PRIOR), 60 * 130, 350.0),
+            Contestant("IMM 3x4x2, 10,000 runs in chunks of 1536", ours(tracker, many, PRIOR), 12 * 10_000, 750.0),
         ],
         rounds,
     )

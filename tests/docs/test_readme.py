@@ -23,17 +23,21 @@ PAGES = (
     ROOT / "CONTRIBUTING.md",
     *sorted((ROOT / "docs" / "tutorials").glob("*.md")),
     *(
-        ROOT / "docs" / f"{name}.md"
-        for name in ("architecture", "choosing-a-tracker", "dispersion", "extending", "recordings")
+        page
+        for page in sorted((ROOT / "docs").glob("*.md"))
+        if page.stem not in ("acceptance", "equations")  # made, and long
     ),
+    *sorted((ROOT / "docs" / "uses").glob("*.md")),
 )
 TEXTS = {page.name: page.read_text(encoding="utf-8") for page in PAGES}
+SAID_THERE = ("scenarios", "weather", "contrasts", "monitoring", "checks", "studies", "pytest", "python")
 BLOCKS = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def blocks(language: str) -> list[str]:
-    """Blocks of the README in a language."""
-    return [text for named, text in BLOCKS.findall(TEXTS[README.name]) if named == language]
+    """Blocks in a language, of the README and the pages of what it speaks of in short."""
+    pages = (README.name, *(f"{name}.md" for name in SAID_THERE))
+    return [text for page in pages for named, text in BLOCKS.findall(TEXTS[page]) if named == language]
 
 
 def commands() -> list[list[str]]:

@@ -33,7 +33,8 @@ def load(path: Path) -> ModuleType:
 
 tutorials = load(ROOT / "tests" / "docs" / "tutorials.py")
 PAGES = sorted(tutorials.PAGES.glob("*.md"))
-PROSE = [*PAGES, *sorted((ROOT / "docs").glob("*.md")), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+USES = sorted((ROOT / "docs" / "uses").glob("*.md"))
+PROSE = [*PAGES, *USES, *sorted((ROOT / "docs").glob("*.md")), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 
 
 def words_of(figure: Path) -> list[str]:

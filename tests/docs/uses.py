@@ -1,7 +1,9 @@
-"""The uses that README.md and docs show: ``make uses`` runs them and renews their transcripts and figures.
+"""What README.md and docs show of the command line: ``make uses`` runs it and renews transcripts and figures.
 
-A transcript stands in its page behind ``<!-- transcript: NAME -->``; its figure is one chart of the report that the
-commands wrote, kept in docs/figures.
+A page is run from top to bottom in one empty folder. A block behind ``<!-- file: NAME -->`` is a file of that folder.
+One behind ``<!-- transcript: NAME -->`` has commands behind its ``$`` and what they print; ``until: WORD`` in the
+comment ends it before the line that begins so. A picture behind ``<!-- chart: REPORT: TITLE -->`` is that chart of a
+report which the commands have written, kept in docs/figures.
 """
 
 from __future__ import annotations
@@ -18,168 +20,105 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 FIGURES = ROOT / "docs" / "figures"
-README = ROOT / "README.md"
-CHOOSING = ROOT / "docs" / "choosing-a-tracker.md"
-
-APPROACH = """\
-name = "crosswind"
-
-[aircraft]
-model = "an26"
-
-[start]
-phase = "base"
-
-[route]
-kind = "pattern"
-
-[wind]
-from_deg = 110
-speed_kt = 20
-
-[[checks]]
-name   = "bank on the turn to final"
-metric = "bank_deg"
-during = "final_turn"
-max    = 15.5
-source = "our operations manual"
-
-[[checks]]
-name   = "stabilised: sink"
-metric = "sink_mps"
-during = "gate"
-max    = 5.08
-source = "1000 ft/min below 1000 ft, Flight Safety Foundation"
-
-[[checks]]
-name   = "overshoot onto final"
-metric = "overshoot_m"
-max    = 30
-source = "the parallel runway"
-"""
-TESTS = """\
-import pytest
-
-@pytest.mark.parametrize("speed", [0, 10, 20])
-def test_lands_in_wind(shortfinal, speed):
-    result = shortfinal("crosswind.scenario.toml", {"wind.speed_kt": speed})
-    assert result.metrics["flight"]["outcome"] == "landed"
-"""
-
-
-class Use(NamedTuple):
-    """Commands in a folder with some files, and the chart that they lead to."""
-
-    name: str
-    files: dict[str, str]
-    commands: tuple[str, ...]
-    report: str = ""
-    chart: str = ""  # of the report; "" = none is shown
-    page: Path = README
-    until: str = ""  # the transcript ends before the line that begins so
-
-
-USES = (
-    Use(
-        "comparison",
-        {},
-        ("shortfinal run -o out/an26_pattern",),
-        "out/an26_pattern/report.html",
-        "Linear feedback against saturated control (each at its best)",
-        until="\ntracker",
-    ),
-    Use(
-        "approach",
-        {},
-        ("shortfinal run an26_crosswind --set wind.speed_kt=20 -o out/crosswind",),
-        "out/crosswind/report.html",
-        "Plan view",
-    ),
-    Use(
-        "study",
-        {},
-        ("shortfinal study orbit_map -j 2 -o out/orbit_map",),
-        "out/orbit_map/report.html",
-        "Outcomes",
-    ),
-    Use(
-        "checks",
-        {"crosswind.scenario.toml": APPROACH, "test_winds.py": TESTS},
-        ("pytest -v --no-header --shortfinal-report=kept",),
-        "kept/crosswind/report.html",
-        "Bank and its limits",
-    ),
-    Use(
-        "captured",
-        {},
-        ("shortfinal run vasylyev2003_jsbsim -o out/captured",),
-        page=CHOOSING,
-        until="Conformance",
-    ),
-    Use(
-        "pattern",
-        {},
-        ("shortfinal run an26_pattern -o out/pattern",),
-        page=CHOOSING,
-        until="Conformance",
-    ),
+USES = sorted((ROOT / "docs" / "uses").glob("*.md"))
+PAGES = (ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in ("choosing-a-tracker", "studies")), *USES)
+PROGRAMS = {
+    "shortfinal": [sys.executable, "-m", "sim"],
+    "pytest": [sys.executable, "-m", "pytest"],
+    "python": [sys.executable],
+}
+STEP = re.compile(
+    r"^<!-- file: (?P<file>\S+) -->\n```\w*\n(?P<content>.*?)^```$"
+    r"|^<!-- transcript: (?P<transcript>[\w-]+)(?:, until: (?P<until>.+?))? -->\n```\n(?P<shown>.*?)^```$"
+    r"|^<!-- chart: (?P<report>\S+): (?P<title>.+?) -->\n!\[[^\]]*\]\((?P<picture>[^)]+)\)",
+    re.MULTILINE | re.DOTALL,
 )
+TIMES = re.compile(r"\b\d+\.\d+s\b|=+(?= \d)|(?<=s )=+")  # of pytest's last line, whose rule is as long as they leave
 
 
-def transcript(use: Use, folder: Path) -> str:
-    """What a terminal shows of the commands of a use."""
-    for name, text in use.files.items():
-        (folder / name).write_text(text)
+class Made(NamedTuple):
+    """What a page leads to: the text of its transcripts by name, its charts as SVG by the file that keeps them."""
+
+    transcripts: dict[str, str]
+    charts: dict[Path, bytes]
+
+
+def lasting(text: str) -> str:
+    """A transcript without what differs from run to run."""
+    return TIMES.sub("", text)
+
+
+def shown(page: Path) -> dict[str, str]:
+    """The transcripts of a page as it stands."""
+    found = STEP.finditer(page.read_text(encoding="utf-8"))
+    return {step["transcript"]: step["shown"].rstrip() for step in found if step["transcript"]}
+
+
+def run(page: Path, folder: Path) -> Made:
+    """Do in a folder what a page does; raises ``RuntimeError`` for a command that ends with an error."""
+    made = Made({}, {})
+    for step in STEP.finditer(page.read_text(encoding="utf-8")):
+        if step["file"]:
+            (folder / step["file"]).write_text(step["content"], encoding="utf-8")
+        elif step["transcript"]:
+            commands = [line[2:] for line in step["shown"].splitlines() if line.startswith("$ ")]
+            text = "\n".join(f"$ {command}\n{output(command, folder)}".rstrip() for command in commands)
+            made.transcripts[step["transcript"]] = text.partition(f"\n{step['until']}")[0].rstrip()
+        else:
+            made.charts[(page.parent / step["picture"]).resolve()] = chart(folder / step["report"], step["title"])
+    return made
+
+
+def output(command: str, folder: Path) -> str:
+    """What a terminal of 100 columns shows of a command; a check or a test may fail."""
     environment = {
-        **os.environ,
+        **{name: value for name, value in os.environ.items() if not name.startswith("PYTEST_XDIST")},
         "COLUMNS": "100",
         "OPENBLAS_NUM_THREADS": "1",
         "PYTHONPATH": str(ROOT),
         "PYTEST_PLUGINS": "sim.pytest_plugin",  # as an installed shortfinal is found
     }
-    programs = {"shortfinal": "sim", "pytest": "pytest"}
-    shown = []
-    for command in use.commands:
-        program, *arguments = shlex.split(command)
-        call = [sys.executable, "-m", programs[program], *arguments]
-        done = subprocess.run(call, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-        if done.returncode not in (0, 1):
-            raise RuntimeError(f"{command}:\n{done.stdout}{done.stderr}")
-        shown += [f"$ {command}", (done.stdout + done.stderr).rstrip()]
-    text = "\n".join(shown)
-    return text.partition(f"\n{use.until}")[0].rstrip() if use.until else text
+    program, *arguments = shlex.split(command, comments=True)
+    call = [*PROGRAMS[program], *arguments]
+    done = subprocess.run(call, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    if done.returncode not in (0, 1):
+        raise RuntimeError(f"{command}:\n{done.stdout}{done.stderr}")
+    return (done.stdout + done.stderr).rstrip()
 
 
 def chart(report: Path, title: str) -> bytes:
     """The SVG of one chart of a report, on paper of its own: a page that shows it may be dark."""
     head = re.escape(html.escape(title))
     pattern = rf'<h3>{head}</h3>.*?(<svg class="drawing".*?</svg>)\s*<figcaption'
-    found = re.search(pattern, report.read_text(), re.DOTALL)
+    found = re.search(pattern, report.read_text(encoding="utf-8"), re.DOTALL)
     if found is None:
         raise RuntimeError(f"{report}: has no chart '{title}'")
     return found[1].replace("<svg ", '<svg style="background:#fff" ', 1).encode()
 
 
-def renewed(page: str, name: str, text: str) -> str:
-    """The page with another transcript."""
-    pattern = re.compile(rf"(<!-- transcript: {name} -->\n```\n).*?(^```\n)", re.DOTALL | re.MULTILINE)
-    if not pattern.search(page):
-        raise RuntimeError(f"there is no place for the transcript '{name}'")
-    return pattern.sub(lambda found: f"{found[1]}{text}\n{found[2]}", page)
+def renewed(page: str, made: Made) -> str:
+    """The text of a page with other transcripts."""
+
+    def step(found: re.Match[str]) -> str:
+        if not found["transcript"]:
+            return found[0]
+        return found[0].replace(found["shown"], made.transcripts[found["transcript"]] + "\n")
+
+    return STEP.sub(step, page)
 
 
 def main() -> None:
-    """All uses, or those that the command line names."""
+    """All pages, or those that the command line names."""
     FIGURES.mkdir(parents=True, exist_ok=True)
-    for use in USES:
-        if sys.argv[1:] and use.name not in sys.argv[1:]:
+    for page in PAGES:
+        if sys.argv[1:] and page.stem not in sys.argv[1:]:
             continue
         with tempfile.TemporaryDirectory() as place:
-            text = transcript(use, Path(place))
-            if use.chart:
-                (FIGURES / f"{use.name}.svg").write_bytes(chart(Path(place) / use.report, use.chart))
-        use.page.write_text(renewed(use.page.read_text(), use.name, text))
-        print(text)
+            made = run(page, Path(place))
+        for figure, drawn in made.charts.items():
+            figure.write_bytes(drawn)
+        page.write_text(renewed(page.read_text(encoding="utf-8"), made), encoding="utf-8")
+        print(page.relative_to(ROOT))
 
 
 if __name__ == "__main__":

@@ -29,9 +29,9 @@ from sim.flight.preparation import prepare
 from sim.observation.sensor import broken_promises as broken_by_sensor
 from sim.reporting.drawing.marks import Area, Words
 from sim.scenario import catalogue
+from sim.scenario.editors.json_schema import schema
 from sim.scenario.parameters import construct
 from sim.scenario.reading import read
-from sim.scenario.schema import schema
 from sim.scenario.tables import Runway
 from tests.sim.drawn import drawings, marks
 from tracking.contract import broken_promises as broken_by_tracker

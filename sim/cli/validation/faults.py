@@ -5,6 +5,7 @@ A layer goes on with what those before it left sound, so that one fault does not
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Callable
@@ -22,6 +23,7 @@ from sim.scenario.plugins import Catalogue
 from sim.studies.plan import plan
 
 STDIN = "-"
+MORE = re.compile(r"and \d+ more faults")
 AT_LINE = re.compile(r" \(at line (\d+), column \d+\)")
 
 
@@ -58,7 +60,9 @@ def validate(source: str, overrides: dict[str, Any], catalogue: Catalogue) -> Ve
     for fault in dict.fromkeys([*syntax, *faults]):
         at, number = AT_LINE.search(fault), line_of(fault, found)
         number = int(at[1]) if at is not None else number
-        told.append((number or 0, f"{origin}:{number}: {fault}" if number is not None else f"{origin}: {fault}"))
+        number = 0 if number is None else number
+        order = math.inf if MORE.fullmatch(fault) else number
+        told.append((order, f"{origin}:{number}: {fault}" if number else f"{origin}: {fault}"))
     return Verdict(name, [fault for _, fault in sorted(told, key=lambda one: one[0])], warnings)
 
 

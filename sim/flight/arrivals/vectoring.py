@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any
 
 import numpy as np
 
 from autopilot.approach import Approach
+from autopilot.design import Designed
+from autopilot.mode import DesignCase
 from autopilot.route import Leg, Route
-from autopilot.vectored import Vector, Vectored, heading_of, way
+from autopilot.vectored import TRACKING_BANK, Vector, Vectored, heading_of, turn_time, way
+from sim.scenario.arrivals.navigation import NavigationErrors
 from sim.scenario.arrivals.vectored import VectoredTable
 from sim.scenario.model import Scenario
 
@@ -35,8 +39,13 @@ def met(scenario: Scenario, table: VectoredTable) -> float:
 
 def vectors(scenario: Scenario, table: VectoredTable) -> tuple[Vector, ...]:
     """The headings that make good the courses of a table in the steady wind."""
-    wind = _wind(scenario, table)
-    return tuple(Vector(heading_of(course, table.speed, wind), time) for course, time in table.courses)
+    wind, pilot = _wind(scenario, table), scenario.autopilot
+    found = [Vector(heading_of(course, table.speed, wind), time) for course, time in table.courses]
+    if table.straight is not None and len(found) > 1:
+        turn = math.remainder(found[-1].heading - found[-2].heading, math.tau)
+        turned = turn_time(turn, table.speed, pilot.bank_limit, pilot.roll_rate_limit)
+        found[-1] = found[-1]._replace(time=found[-1].time + turned)
+    return tuple(found)
 
 
 def way_of(scenario: Scenario, table: VectoredTable) -> Any:
@@ -63,10 +72,10 @@ def in_words(scenario: Scenario, table: VectoredTable) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = []
     since = 0.0
     runway = scenario.runway.heading
-    for (course, time), vector in zip(table.courses, vectors(scenario, table), strict=True):
+    for (course, _), vector in zip(table.courses, vectors(scenario, table), strict=True):
         told = [math.degrees(runway + angle) % 360.0 for angle in (course, vector.heading)]
         rows.append((f"{since:.0f}", *(f"{angle:.1f}" for angle in told), f"{math.degrees(abs(course)):.1f}"))
-        since += time
+        since += vector.time
     return rows
 
 
@@ -81,9 +90,24 @@ def schedule(table: VectoredTable) -> tuple[tuple[float, float], ...]:
     return ((math.inf, table.speed), *((one.distance, one.speed) for one in table.speeds))
 
 
-def vectored(scenario: Scenario, table: VectoredTable, approach: Approach, after: Any) -> Vectored:
-    """The autopilot that holds the headings; ``after`` flies from where the law takes over."""
-    return Vectored(approach, after, vectors(scenario, table), table.arm_late)
+def vectored(scenario: Scenario, table: VectoredTable, approach: Approach, after: Any, tracking: Any) -> Vectored:
+    """The autopilot that holds the headings; ``after`` flies from where the law takes over, then ``tracking``."""
+    return Vectored(approach, after, tracking, vectors(scenario, table), table.arm_late)
+
+
+def tracking(scenario: Scenario, gains: Designed, approach: Approach) -> Approach:
+    """The approach under the law that tracks the line once it is captured: of the same mode, as the aircraft's own
+    design makes it, whatever law and lag the capture has."""
+    limit = min(TRACKING_BANK, approach.law.bank_limit)
+    speed = max(speed for _, speed, _ in scenario.route.levels)
+    case = DesignCase(limit, gains.bank_bandwidth, speed, gains.k1, gains.k2, gains.cross_track_limit)
+    return dataclasses.replace(approach, law=scenario.modes[scenario.mode].designed({}, case), bank_lag=0.0)
+
+
+def localiser(scenario: Scenario) -> float:
+    """Where its antenna stands, m behind the aiming point."""
+    errors = scenario.navigation_errors or NavigationErrors()
+    return errors.localiser_past - scenario.runway.aiming_point
 
 
 def _wind(scenario: Scenario, table: VectoredTable) -> tuple[float, float]:

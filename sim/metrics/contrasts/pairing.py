@@ -75,7 +75,7 @@ def _at_common_times(of: Squares, against: Squares) -> dict[str, float | int | N
     if not len(of.time):
         return {}
     with np.errstate(over="ignore", invalid="ignore"):  # a lost track is a result
-        return figure(of.values.mean(axis=0), against.values.mean(axis=0))
+        return figure(*(np.asarray(one.values).mean(axis=0) for one in (of, against)))
 
 
 def _last_of_each(squares: Squares) -> Squares:

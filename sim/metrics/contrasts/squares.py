@@ -15,7 +15,7 @@ class Squares(NamedTuple):
     """Squared errors in one comparison channel."""
 
     time: np.ndarray  # (k,) s, ascending; of a look-ahead the instants from which it was made
-    values: np.ndarray  # (k, draws) in the square of the channel's unit
+    values: Any  # (k, draws) array in the square of the channel's unit, of many draws in a file
 
 
 def squared_errors(flight: Flight, track: Track, errors: TrackerErrors) -> dict[str, Any]:

@@ -17,6 +17,8 @@ from aircraft.runway import Runway as Place
 from aircraft.state import AircraftState
 from sim.files import read_bytes
 from sim.flight.recording.places import HIGHEST, LOWEST, STEP
+from sim.interchange.asterix import plots as asterix_plots
+from sim.interchange.asterix.reading import is_asterix
 from sim.interchange.plots import Plots, read_parquet_plots, read_plots
 from sim.interchange.tables import PARQUET
 from sim.observation.antenna import location, no_outline, place, polar, positive
@@ -38,7 +40,8 @@ class Waiting(NamedTuple):
 
 @dataclass(frozen=True)
 class Recorded:
-    """Plots as they were recorded, the same in every draw; ``sim.interchange.plots`` says which columns it knows.
+    """Plots as they were recorded, the same in every draw; ``sim.interchange.plots`` says which columns it knows, and
+    ``sim.interchange.asterix.plots`` which items of ASTERIX.
 
     Azimuths count from true north at the antenna, unless ``azimuth_zero`` says what course, from true north, its zero
     has. A pressure altitude becomes a height by the QNH and the temperature of the scenario. How accurate the plots
@@ -51,6 +54,7 @@ class Recorded:
     file: str
     sha256: str | None = None  # of the file; absent = as it is found now
     target: str | None = None  # whose plots, where the file has several aircraft
+    source: str | None = None  # "SAC/SIC" of the radar whose plots, where a file of ASTERIX has several
     position: Annotated[tuple[float, float, float] | None, "m"] = None  # antenna: past the threshold, right, up
     azimuth_zero: Annotated[float, "rad"] = 0.0
     range_sigma: Annotated[float | None, "m"] = None  # absent = the file has a column of it; so the others
@@ -77,7 +81,7 @@ class Recorded:
             )
         object.__setattr__(self, "sha256", found)
         _ = self.plots  # it can be read, or says why not
-        if self._polar and self.position is None:
+        if self._polar and self.position is None and self.plots.antenna is None:
             raise ValueError("position_m is missing: ranges and azimuths are counted from the antenna")
         for channel in ("position",) if not self._polar else ("range", "azimuth"):
             self._stated(channel)
@@ -87,7 +91,7 @@ class Recorded:
     @property
     def plots(self) -> Plots:
         """What the file says; raises ``ValueError`` where it says nothing."""
-        return _plots(self.file, str(self.sha256), self.target)
+        return _plots(self.file, str(self.sha256), self.target, self.source)
 
     @property
     def _polar(self) -> bool:
@@ -101,8 +105,16 @@ class Recorded:
 
     @property
     def antenna(self) -> tuple[float, float, float] | None:
-        """(north, east, height) m; None = its plots are latitude and longitude."""
-        return None if self.position is None or not self._polar else location(self.runway, self.position)
+        """(north, east, height) m, by the scenario, else by the file; None = its plots are latitude and longitude."""
+        if not self._polar:
+            return None
+        if self.position is not None:
+            return location(self.runway, self.position)
+        assert self.plots.antenna is not None
+        latitude, longitude, height = self.plots.antenna
+        height -= self.runway.elevation
+        north, east = self._place.local(latitude, longitude, height)
+        return float(north), float(east), height
 
     @property
     def zero_azimuth(self) -> float | None:
@@ -134,10 +146,15 @@ class Recorded:
 
     @property
     def _assumed(self) -> tuple[str, ...]:
-        """What is taken for granted of the heights."""
+        """What is taken for granted of the heights and of the antenna."""
+        by_file = self._polar and self.position is None
+        told = ("its antenna stands where the file says, within 2 m",) if by_file else ()
         if self.plots.height is not None or self.plots.pressure_altitude is None or self.air.qnh != STANDARD_PRESSURE:
-            return ()
-        return ("its pressure altitudes are taken at 1013.25 hPa: each hPa that [air] qnh_hpa differs is 8 m",)
+            return told
+        return (
+            *told,
+            "its pressure altitudes are taken at 1013.25 hPa: each hPa that [air] qnh_hpa differs is 8 m",
+        )
 
     def dated(self, utc: float | None) -> Recorded:
         """The sensor for a flight at that time."""
@@ -151,6 +168,8 @@ class Recorded:
     @functools.cached_property
     def _measured_height(self) -> np.ndarray | None:
         """(k,) m above the threshold."""
+        if self.plots.pressure_altitude is None and self.plots.sea_level_height is not None:
+            return self.plots.sea_level_height - self.runway.elevation
         if self.plots.height is not None or self.plots.pressure_altitude is None:
             return self.plots.height
         heights = np.arange(LOWEST, HIGHEST, STEP)
@@ -220,12 +239,16 @@ def _content(file: str) -> bytes:
 
 
 @functools.lru_cache(maxsize=8)
-def _plots(file: str, digest: str, target: str | None) -> Plots:
+def _plots(file: str, digest: str, target: str | None, source: str | None) -> Plots:
     """The plots of a file of that content, kept for the next sensor of it."""
     content = _content(file)
     if hashlib.sha256(content).hexdigest() != digest:
         raise ValueError(f"file '{file}' was changed while it was read")
     try:
+        if is_asterix(content, file):
+            return asterix_plots.read_plots(content, target, source)
+        if source is not None:
+            raise ValueError(f"is no ASTERIX, so source = '{source}' chooses nothing; target chooses an aircraft")
         return read_parquet_plots(Path(file), target) if content.startswith(PARQUET) else read_plots(content, target)
     except ValueError as error:
         raise ValueError(f"file '{Path(file).name}' {error}") from None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 from sim.scenario.tables import FARTHEST, _within
 
@@ -14,10 +14,10 @@ class NavigationErrors:
     """Errors of the localiser, of the glide path and of the wind that the aircraft has worked out.
 
     Bends are deviations of a beam that stay where they are: a first-order Gauss-Markov process over the distance to the
-    antenna. The aircraft smooths the localiser by what it knows of its own motion: its heading, its airspeed and a wind
-    that it corrects as it goes (a complementary filter of second order, critically damped). So it believes a
-    cross-track and a rate that are both a little wrong, and a wind that lags behind the true one. Without the table the
-    autopilot knows its motion.
+    antenna. The aircraft smooths the localiser by what it knows of its own ``motion`` across the final (a complementary
+    filter of second order, critically damped): "air", its heading, its airspeed and a wind that it corrects as it goes,
+    and that lags behind the true one; or "inertial", its velocity over the ground with a drift that it corrects. So it
+    believes a cross-track and a rate that are both a little wrong. Without the table the autopilot knows its motion.
 
     Nothing errs by default. Annex 10 lets twice the deviation of a localiser's bends be 5 microampere of category III
     at the runway (0.07 deg, with 150 microampere at 2.15 deg) and 30 of any category beyond 4 NM [ICAO annex 10 volume
@@ -29,7 +29,8 @@ class NavigationErrors:
     glide_path_bend: Annotated[float, "rad"] = 0.0  # standard deviation
     bend_length: Annotated[float, "m"] = 1000.0  # of correlation
     smoothing: Annotated[float, "s"] = 10.0  # time constant of the complementary filter
-    wind: Annotated[float, "m/s"] = 0.0  # standard deviation of what is wrong with the wind across at first
+    wind: Annotated[float, "m/s"] = 0.0  # standard deviation of what is wrong with wind, or drift, across at first
+    motion: Literal["air", "inertial"] = "air"
     localiser_past: Annotated[float, "m"] = 2800.0  # of the antenna, past the threshold
 
     def __post_init__(self) -> None:

@@ -53,6 +53,7 @@ class VectoredTable:
     intercept_distance: Annotated[float | None, "m"] = None
     level: Annotated[float, "m"] = 8000.0
     last_vector: Annotated[float, "s"] = 60.0  # from the last heading given to the extended centreline
+    straight: Annotated[float | None, "s"] = None  # instead of it: from the end of the turn to that heading
     arm_late: Annotated[float, "s"] = 0.0  # after the law would have turned in
     speed: Annotated[float, "m/s", "indicated"] = 72.0  # this and the next are true airspeeds
     approach_speed: Annotated[float, "m/s", "indicated"] = 58.0
@@ -64,7 +65,8 @@ class VectoredTable:
     final: ClassVar[int | None] = 0  # the leg that ends on the runway
 
     def __post_init__(self) -> None:
-        for name in ("height", "speed", "approach_speed", "deceleration", "glide_deceleration", "last_vector"):
+        times = "last_vector", "straight"
+        for name in ("height", "speed", "approach_speed", "deceleration", "glide_deceleration", *times):
             if getattr(self, name) is not None and getattr(self, name) <= 0:
                 raise ValueError(f"{name} must be above 0")
         if not 0.0 < abs(self.intercept_angle) < math.pi:
@@ -75,7 +77,7 @@ class VectoredTable:
         _within(self, 0.0, FARTHEST, "m", "intercept_distance", "level")
         _within(self, 1.0, FASTEST, "m/s", "speed", "approach_speed")
         _within(self, 0.0, 100.0, "m/s2", "deceleration", "glide_deceleration")
-        _within(self, 0.0, LONGEST_VECTOR, "s", "last_vector")
+        _within(self, 0.0, LONGEST_VECTOR, "s", *times)
         _within(self, 0.0, LATEST, "s", "arm_late")
         for several in ("vectors", "speeds"):
             if len(getattr(self, several)) > MOST:
@@ -100,6 +102,10 @@ class VectoredTable:
 
     @property
     def courses(self) -> tuple[tuple[float, float], ...]:
-        """(rad less the final course, + to the right; s) of every vector that is flown, the last one last."""
+        """(rad less the final course, + to the right; s) of every vector that is flown, the last one last.
+
+        The turn to the last one is not counted where ``straight`` sets its time.
+        """
         earlier = tuple((self.sign * one.angle, one.for_) for one in self.vectors if one.for_ > 0.0)
-        return (*earlier, (self.sign * abs(self.intercept_angle), self.last_vector))
+        last = self.last_vector if self.straight is None else self.straight
+        return (*earlier, (self.sign * abs(self.intercept_angle), last))

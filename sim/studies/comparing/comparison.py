@@ -1,10 +1,8 @@
 """Two runs or two studies, metric by metric: the means, their difference with its interval, and what that says.
 
 Where both have the same seed, draws and flights, a flight of one has the turbulence and the noise of the same flight of
-the other: the difference is taken flight by flight, and Student's interval is that of its mean. Elsewhere the flights
-are independent, and the interval is Welch's. All intervals hold together with 95 % (Bonferroni: each of m of them at
-1 - 0.05 / m), so that of two runs that differ in nothing but their seed one in twenty shows any change at all. A
-difference whose interval leaves out 0 is beyond noise.
+the other, and the difference is taken flight by flight. Elsewhere the flights are independent. ``judging`` says
+whether anything has changed beyond noise, and which metrics have.
 """
 
 from __future__ import annotations
@@ -16,12 +14,13 @@ import numpy as np
 
 from sim.errors import OutputError
 from sim.files import plain
-from sim.studies.comparing.sides import Side, side_of
-from sim.studies.comparing.spans import Span, paired, unpaired
+from sim.studies.comparing.judging import ERROR, Judgement, judge
+from sim.studies.comparing.sides import Place, Side, side_of
+from sim.studies.comparing.spans import Span
 from sim.studies.comparing.tolerance import tolerances
 from sim.versions import rows as version_rows
 
-CONFIDENCE = 0.95  # of all intervals together
+Column = dict[Place, float]  # a metric by flight
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,10 +60,17 @@ class Comparison:
     is_paired: bool
     rows: tuple[Row, ...]
     remarks: tuple[str, ...]
+    probability: float  # of sides that differ so much where nothing has changed
+    arrangements: int  # of the flights, that this was counted over; 1 = none
+
+    @property
+    def differs(self) -> bool:
+        """Whether anything has changed beyond noise, all metrics taken together."""
+        return self.probability <= ERROR
 
     @property
     def changed(self) -> list[Row]:
-        """Rows beyond noise."""
+        """Rows beyond noise by themselves."""
         return [row for row in self.rows if row.changed]
 
     @property
@@ -74,16 +80,21 @@ class Comparison:
 
     @property
     def method(self) -> str:
-        """How the intervals were found, in a sentence."""
-        judged = sum(row.span is not None for row in self.rows)
+        """How it was found out, in a sentence."""
         how = "paired flight by flight (Student)" if self.is_paired else "of independent flights (Welch)"
+        judged = sum(row.span is not None and row.span.known for row in self.rows)
+        by = f"Bonferroni over {judged} metrics"
+        if self.arrangements > 1:
+            by = f"{self.arrangements} arrangements of the flights on the two sides"
         return (
-            f"differences {how}; intervals hold together with {100 * CONFIDENCE:g} %, Bonferroni over {judged} metrics"
+            f"differences {how}; where nothing has changed, any of the {judged} metrics is named with at most "
+            f"{100 * ERROR:g} %, by {by}"
         )
 
     def plain(self) -> dict[str, Any]:
         """As JSON has it."""
         told = {"a": self.names[0], "b": self.names[1], "paired": self.is_paired, "method": self.method}
+        told |= {"differs": self.differs, "probability": self.probability}
         found: dict[str, Any] = plain(
             {**told, "remarks": list(self.remarks), "rows": [row.plain() for row in self.rows]}
         )
@@ -108,20 +119,30 @@ def compare(a: Any, b: Any, tolerance: Any = None) -> Comparison:
     together = one.noise == other.noise and set(one.flights) == set(other.flights)
     columns = {key: (_column(one, *key), _column(other, *key)) for key in _keys(one, other)}
     allowed = {} if tolerance is None else tolerances(tolerance, sorted({metric for _, metric in columns}))
-    level = 1.0 - (1.0 - CONFIDENCE) / max(1, sum(bool(x) and bool(y) for x, y in columns.values()))
+    found = _judged(one, other, columns, together)
     rows = tuple(
-        Row(
-            metric,
-            cell,
-            _mean(x),
-            _mean(y),
-            (len(x), len(y)),
-            _span(x, y, together, level),
-            allowed.get(metric),
-        )
+        Row(metric, cell, _mean(x), _mean(y), (len(x), len(y)), found.spans.get((cell, metric)), allowed.get(metric))
         for (cell, metric), (x, y) in columns.items()
     )
-    return Comparison((one.name, other.name), together, rows, _remarks(one, other))
+    names = (one.name, other.name)
+    return Comparison(names, together, rows, _remarks(one, other), found.probability, found.arrangements)
+
+
+def _judged(
+    one: Side, other: Side, columns: dict[tuple[int, str], tuple[Column, Column]], together: bool
+) -> Judgement[tuple[int, str]]:
+    """What arrangements of the flights say; a flight of a study changes sides with all its cells, which share noise."""
+    order = [sorted({place[1:] for place in side.flights}) for side in (one, other)]
+
+    def values(column: Column, cell: int, flights: list[tuple[int, int]]) -> np.ndarray:
+        return np.array([column.get((cell, *flight), np.nan) for flight in flights])
+
+    told = {
+        key: (values(x, key[0], order[0]), values(y, key[0], order[1]))
+        for key, (x, y) in columns.items()
+        if (x.keys() & y.keys() if together else x and y)
+    }
+    return judge(told, (len(order[0]), len(order[1])), together)
 
 
 def _keys(*sides: Side) -> list[tuple[int, str]]:
@@ -133,26 +154,13 @@ def _keys(*sides: Side) -> list[tuple[int, str]]:
     )
 
 
-def _column(side: Side, cell: int, metric: str) -> dict[tuple[int, ...], float]:
+def _column(side: Side, cell: int, metric: str) -> Column:
     """A metric by flight."""
     return {place: flight[metric] for place, flight in side.flights.items() if place[0] == cell and metric in flight}
 
 
-def _mean(column: dict[tuple[int, ...], float]) -> float | None:
+def _mean(column: Column) -> float | None:
     return float(np.mean([*column.values()])) if column else None
-
-
-def _span(
-    x: dict[tuple[int, ...], float], y: dict[tuple[int, ...], float], together: bool, level: float
-) -> Span | None:
-    """The difference; of pairs over the flights that both have, and of a yes or no always as of independent flights."""
-    both = [place for place in x if place in y]
-    answers = {*x.values(), *y.values()} <= {0.0, 1.0}
-    if together and both and not answers:
-        return paired(np.array([x[place] for place in both]), np.array([y[place] for place in both]), level)
-    if (together and not answers) or not x or not y:
-        return None
-    return unpaired(np.array([*x.values()]), np.array([*y.values()]), level)
 
 
 def _remarks(one: Side, other: Side) -> tuple[str, ...]:

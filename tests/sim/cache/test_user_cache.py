@@ -151,7 +151,7 @@ def test_a_design_from_the_cache_is_that_without_one(cache, monkeypatch):
     scenario = read("an26_pattern")
     kept = [prepare(scenario).gains.to_table() for _ in range(2)]
     assert [*cache.glob("design-*")]
-    monkeypatch.setattr("sim.flight.preparation.designed", lambda **_: pytest.fail("designed again"))
+    monkeypatch.setattr("sim.flight.preparing.loops.designed", lambda **_: pytest.fail("designed again"))
     kept.append(prepare(scenario).gains.to_table())
     monkeypatch.undo()
     monkeypatch.setenv(user_cache.SWITCH, user_cache.OFF)

@@ -58,8 +58,10 @@ def test_a_course_line_that_is_turned_is_flown():
     assert flight.deviation.cross_track[-1] == pytest.approx(to_antenna * math.radians(0.2), rel=0.1)
 
 
-def test_a_wrong_wind_is_worked_out_in_a_few_time_constants():
-    navigator = ErringNavigator(NavigationErrors(wind=5.0, smoothing=10.0), Runway(), Streams(3, 0, 1, "navigation"))
+@pytest.mark.parametrize("motion", ["air", "inertial"])
+def test_a_wrong_wind_is_worked_out_in_a_few_time_constants(motion):
+    errors = NavigationErrors(wind=5.0, smoothing=10.0, motion=motion)
+    navigator = ErringNavigator(errors, Runway(), Streams(3, 0, 1, "navigation"))
     flight = sim.fly(sim.prepare(sim.read(LINE)))
     states = [type(flight.state)(*(float(column[k]) for column in flight.state)) for k in range(len(flight.time))]
     sight, seen = navigator.begin(states[0])
@@ -70,6 +72,18 @@ def test_a_wrong_wind_is_worked_out_in_a_few_time_constants():
     assert abs(wrong[0]) > 1.0
     assert abs(wrong[-1]) < 0.05 * abs(wrong[0])  # (1 + t/T) exp(-t/T) after six of them is 0.02
     assert seen.velocity_east == pytest.approx(states[-1].velocity_east, abs=0.1)
+
+
+@pytest.mark.parametrize(("motion", "fooled"), [("air", 10.0), ("inertial", 0.0)])
+def test_a_gust_fools_who_knows_the_velocity_through_the_air_alone(motion, fooled):
+    """The wind across changes by 10 m/s from one record to the next: the velocity over the ground is the same."""
+    navigator = ErringNavigator(NavigationErrors(motion=motion), Runway(), Streams(3, 0, 1, "navigation"))
+    flight = sim.fly(sim.prepare(sim.read(LINE)))
+    before, after = (type(flight.state)(*(float(column[k]) for column in flight.state)) for k in (0, 1))
+    sight, _ = navigator.begin(before)
+    gusty = after._replace(sideslip=after.sideslip + 10.0 / after.airspeed)
+    still, gust = (navigator.step(sight, before, one)[1].velocity_east for one in (after, gusty))
+    assert abs(gust - still) == pytest.approx(fooled, abs=1.0)
 
 
 def test_each_flight_has_its_own_errors_and_the_same_again():

@@ -8,8 +8,8 @@ from sim.errors import ScenarioError
 from sim.experiment import run
 from sim.flight.preparation import prepare
 from sim.metrics.flight import flight_metrics
+from sim.scenario.editors.json_schema import schema
 from sim.scenario.reading import read
-from sim.scenario.schema import schema
 from sim.studies.plan import plan
 
 LA_PAZ = {

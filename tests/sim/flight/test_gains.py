@@ -8,8 +8,8 @@ import pytest
 
 from sim.errors import ScenarioError
 from sim.experiment import read
-from sim.flight import preparation
 from sim.flight.preparation import prepare
+from sim.flight.preparing import loops
 from sim.scenario.toml_writer import dumps
 
 BASE = {"aircraft.centre_of_gravity_mac": 0.24, "aircraft.factors.drag": 1.0, "aircraft.mass_kg": 20000.0}
@@ -25,8 +25,8 @@ def carried():
 def designs(monkeypatch, tables, changes):
     """(whether a design was made, the preparation)."""
     made = []
-    real = preparation.designed
-    monkeypatch.setattr(preparation, "designed", lambda **told: made.append(told) or real(**told))
+    real = loops.designed
+    monkeypatch.setattr(loops, "designed", lambda **told: made.append(told) or real(**told))
     prepared = prepare(read(tables, changes))
     return bool(made), prepared
 
@@ -81,7 +81,7 @@ def test_what_is_no_input_of_the_design_keeps_its_gains(monkeypatch, carried, ad
 
 
 def test_another_aircraft_or_a_changed_model_is_designed_anew(monkeypatch, carried):
-    monkeypatch.setattr(preparation, "digest", lambda model: "another content")
+    monkeypatch.setattr(loops, "digest", lambda model: "another content")
     anew, prepared = designs(monkeypatch, carried, {})
     assert anew
     assert "choice.model" in prepared.warnings[0]

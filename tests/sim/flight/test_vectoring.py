@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sim
-from autopilot.vectored import Vector, heading_of, way
+from autopilot.vectored import Vector, heading_of, turn_time, way
 from sim.cli.explain import explain
 from sim.errors import ScenarioError
 from sim.flight.arrivals import vectoring
@@ -57,10 +57,58 @@ def test_the_law_captures_when_it_would_turn_in_and_takes_over_late(late):
     assert np.degrees(np.abs(before)).max() < 0.1
 
 
-def test_a_law_whose_own_intercept_is_shallower_flies_it_at_once():
-    _, _, flight = flown(**{"autopilot.intercept_speed_mps": 15.0, "until_s": 40.0})
-    assert begun(flight, "capture") == flight.time[0]
-    assert flight.deviation.cross_track_rate[-1] == pytest.approx(15.0, rel=0.05)
+def test_a_law_whose_own_intercept_is_shallower_flies_it_from_where_a_localiser_shows_the_line():
+    """Deviations grow with the angle up to 180 microampere, of which there are 150 to 105 m at the threshold, 2800 m
+    before the antenna; the aiming point is 300 m behind it."""
+    _, prepared, flight = flown(**{"autopilot.intercept_speed_mps": 15.0, "until_s": 70.0})
+    at = int(np.searchsorted(flight.time, begun(flight, "capture") - 1e-9))
+    d = flight.deviation
+    assert prepared.law.k2 / prepared.law.k1 * d.cross_track_rate[at] < -d.cross_track[at]  # it would not turn in yet
+    to_antenna = d.distance_to_go[at] + 2800.0 - prepared.scenario.runway.aiming_point
+    assert -d.cross_track[at] == pytest.approx(1.2 * 105.0 / 2800.0 * to_antenna, abs=2.0)
+    assert d.cross_track_rate[-1] == pytest.approx(15.0, rel=0.1)
+
+
+def test_the_line_is_tracked_by_the_designed_law_with_less_bank_once_it_is_captured():
+    """After 25 s of capture, on the line with less than 5 deg of bank; 2 s later it has rolled to whatever that asks.
+
+    The lag of the capture is left too.
+    """
+    _, prepared, flight = flown(**{"autopilot.bank_lag_s": 1.0, "autopilot.damping": 0.4, "until_s": 130.0})
+    law = prepared.controller.tracking.law
+    assert (law.k1, law.k2) == pytest.approx((prepared.designed.k1, prepared.designed.k2))
+    assert math.degrees(law.bank_limit) == pytest.approx(10.0)
+    since = flight.time - begun(flight, "capture")
+    is_tracked = np.abs(law(flight.deviation) - flight.command.bank) < 1e-9
+    d, level = flight.deviation, np.degrees(np.abs(flight.command.bank)) < 5.0
+    due = (since > 25.0) & level & (np.degrees(np.abs(d.track_error)) < 5.0) & (np.abs(d.cross_track) < 100.0)
+    begins = int(np.flatnonzero(~is_tracked)[-1]) + 1
+    assert 0.0 <= since[begins] - since[np.flatnonzero(due)[0]] < 2.0
+    assert not is_tracked[(since > 2.0) & (since < 24.0)].any()
+
+
+def test_a_glide_path_is_followed_within_half_scale_of_a_localiser_while_the_law_still_captures():
+    """Half scale, 52.5 m at the threshold, is an angle; the turn onto the line is not over there."""
+    _, prepared, flight = flown(**{"route.level_m": 1200, "until_s": 110.0})
+    glide = int(np.searchsorted(flight.time, begun(flight, "glide") - 1e-9))
+    half_scale = 52.5 / 2800.0 * (flight.deviation.distance_to_go[glide] + 2500.0)
+    assert 100.0 < abs(flight.deviation.cross_track[glide]) < half_scale  # of 100 m the line would be established
+    landing = prepared.autopilot.landing
+    assert landing.may_descend(half_scale - 1.0, flight.deviation.distance_to_go[glide], is_established=False)
+    assert not landing.may_descend(half_scale + 1.0, flight.deviation.distance_to_go[glide], is_established=True)
+
+
+@pytest.mark.parametrize("angle", [10.0, 60.0])
+def test_straight_flight_begins_where_the_turn_to_the_last_heading_is_over(angle):
+    """But for 5 deg."""
+    limit, rolling = math.radians(25.0), math.radians(5.0)
+    time = turn_time(math.radians(angle), 80.0, limit, rolling)
+    along, across = way([Vector(math.radians(angle), 0.5), Vector(0.0, time)], 80.0, limit, rolling, (0.0, 0.0))
+    assert math.degrees(math.atan2(across[-1] - across[-2], along[-1] - along[-2])) == pytest.approx(5.0, abs=0.3)
+    vectors = [{"angle_deg": 30.0 + angle, "for_s": 30}]
+    scenario = sim.read(VECTORED, {"route.vectors": vectors, "route.straight_s": 20.0})
+    wanted = 20.0 + turn_time(math.radians(angle), scenario.route.speed, limit, rolling)
+    assert vectoring.vectors(scenario, scenario.route)[-1].time == pytest.approx(wanted)
 
 
 @pytest.mark.parametrize("damping", [0.4, 0.7])

@@ -25,8 +25,8 @@ from sim.flight.preparation import prepare
 from sim.flight.weather import air, words
 from sim.metrics import windshear
 from sim.scenario import catalogue
+from sim.scenario.editors.json_schema import schema
 from sim.scenario.reading import read
-from sim.scenario.schema import schema
 from sim.scenario.tables import Runway
 
 LINE = {

@@ -25,7 +25,7 @@ from sim.metrics.figures import Context, Navigation
 from sim.metrics.flight import figure, flight_metrics, navigated_figures
 from sim.reporting.text.header import first_screen
 from sim.reporting.text.rows import check_name, check_row, scalar_rows, spread_rows
-from sim.scenario.schema import schema
+from sim.scenario.editors.json_schema import schema
 from sim.scenario.tables import Check, Runway
 from sim.studies import study as studies
 from tests.sim.one_flight import judged

@@ -17,6 +17,7 @@ from sim.observation.record import observe
 from sim.observation.recordings import remarks
 from sim.observation.sensors.recorded import Recorded
 from sim.scenario.tables import Runway
+from tests.asterix_blocks import FORMS, MARKER, PLOT, TRACK
 
 RUNWAY = Runway(math.radians(50.0), math.radians(30.0), heading=math.radians(80.0))
 RADAR = {"position": (0.0, 2000.0, 10.0), "range_sigma": 60.0, "azimuth_sigma": 0.002}
@@ -167,3 +168,60 @@ def test_a_file_that_changes_under_its_digest_is_refused(sensor, tmp_path):
     with pytest.raises(ValueError, match="take sha256 out to use it"):
         Recorded(radar.file, radar.sha256, runway=RUNWAY, **RADAR)
     assert Recorded(radar.file, runway=RUNWAY, **RADAR).plots.range.tolist() == [5001.0]
+
+
+# ---- ASTERIX -------------------------------------------------------------------------------------------------------
+def asterix(tmp_path, content, **fields):
+    path = tmp_path / "plots.ast"
+    path.write_bytes(content)
+    return Recorded(str(path), runway=RUNWAY, **fields)
+
+
+def test_plots_of_a_radar_are_read_from_asterix(tmp_path, flight):
+    own = asterix(tmp_path, PLOT, **RADAR, height_sigma=30.0)
+    assert own.channels == ("range", "azimuth", "height")
+    at = observe(dated(flight, 86400.0 + 36000.0), {"x": own}, 1)["x"]
+    assert at.time.tolist() == [0.25]  # of the day at 36000.25 s
+    assert at.z[0, :2, 0] == pytest.approx((10.5 * 1852.0, math.pi / 2))
+    assert Air().pressure_altitude(at.z[0, 2, 0]) == pytest.approx(3525 * 0.3048, abs=0.01)
+
+
+def test_the_height_of_a_radar_counts_from_the_sea(tmp_path):
+    own = asterix(tmp_path, FORMS, **RADAR, height_sigma=30.0)
+    high = Recorded(
+        own.file, runway=Runway(RUNWAY.latitude, RUNWAY.longitude, elevation=62.0), **RADAR, height_sigma=30
+    )
+    assert own._z[0, 2] == pytest.approx(2500 * 0.3048)
+    assert high._z[0, 2] == pytest.approx(2500 * 0.3048 - 62.0)
+
+
+def test_an_antenna_that_the_file_places_need_not_be_told(tmp_path):
+    there = Runway(math.radians(45.0), math.radians(-90.0), elevation=300.0)
+    marker = MARKER[:6] + b"\x01" + MARKER[7:]  # of the radar of the plot: 45 deg north, 90 deg west, 310 m
+    path = tmp_path / "plots.ast"
+    path.write_bytes(marker + PLOT)
+    own = Recorded(str(path), runway=there, range_sigma=60.0, azimuth_sigma=0.002, height_sigma=30.0)
+    assert own.antenna == pytest.approx((0.0, 0.0, 10.0), abs=1e-6)
+    told = Recorded(str(path), runway=there, **RADAR, height_sigma=30.0)
+    assert told.antenna == pytest.approx((0.0, 2000.0, 10.0))  # what the scenario says is right
+
+
+@pytest.mark.parametrize(
+    ("content", "fields", "said"),
+    [
+        (PLOT, {"range_sigma": 60.0, "azimuth_sigma": 0.002}, "position_m is missing"),
+        (PLOT, RADAR, "height_sigma_m is missing"),
+        (PLOT[:-1], RADAR, "file 'plots.ast' at octet 0: a block of 24 octets is cut off after 23"),
+        (TRACK, RADAR, "file 'plots.ast' has no blocks of the categories that are read here, 048, 021: it has 062"),
+        (PLOT, {**RADAR, "target": "abc"}, "file 'plots.ast' has no plots of the target 'abc'; it has f00003"),
+        (PLOT, {**RADAR, "source": "9/9"}, "file 'plots.ast' has no plots of the source '9/9'; it has 0/1"),
+    ],
+)
+def test_asterix_that_cannot_be_taken_is_said_in_a_sentence(content, fields, said, tmp_path):
+    with pytest.raises(ValueError, match=re.escape(said)):
+        asterix(tmp_path, content, **fields)
+
+
+def test_a_source_is_chosen_of_asterix_alone(sensor):
+    with pytest.raises(ValueError, match="is no ASTERIX, so source = '0/1' chooses nothing"):
+        sensor("time,range_m,theta", "4,5000,0", source="0/1", **RADAR)

@@ -47,7 +47,7 @@ def test_files_that_differ_in_numbers_share_their_model():
         return {**GOOD, "sensors": radar, "trackers": {"plain": {"kind": "kalman"}}, "wind": {"speed_mps": number}}
 
     read(tables(0))
-    makers = (schema.file_model, schema._table_model, schema._wind_model, schema._tracker_model)
+    makers = (schema.file_model, schema._table_model, schema.wind_model, schema._tracker_model)
     before = [maker.cache_info().misses for maker in makers]
     for number in range(1, 20):
         read(tables(number))

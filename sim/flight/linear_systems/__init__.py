@@ -1,0 +1,1 @@
+"""Linear models of a scenario, for python-control: ``systems`` makes them."""
