@@ -201,7 +201,7 @@ def test_lists_and_schema_and_doctor_answer(command, tmp_path):
     assert "surveillance_radar" in command("list", "--kinds").stdout
     schema = json.loads(command("schema").stdout)
     assert "bank_limit_deg" in json.dumps(schema)
-    assert "imm" in schema["properties"]["trackers"]["additionalProperties"]["discriminator"]["mapping"]
+    assert "imm" in schema["properties"]["trackers"]["additionalProperties"]["properties"]["kind"]["enum"]
     assert command("doctor").returncode == 0
 
 
