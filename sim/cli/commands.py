@@ -160,6 +160,29 @@ def _run(
 
 
 @app.command()
+def judge(
+    folder: Annotated[Path, typer.Argument(metavar="RUN", help="The folder of a run, whose plots were tracked.")],
+    tracks: Annotated[Path, typer.Option(metavar="FILE", help="Estimates made of them: CSV, Parquet or ASTERIX.")],
+    name: Annotated[str, typer.Option(help="What to call the tracker.")] = "mine",
+    sensors: Annotated[
+        str | None, typer.Option(metavar="NAME,NAME", help="Sensors that it listened to; default all.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder to write; default RUN_NAME.")] = None,
+    plugins: Plugins = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json instead of the summary.")] = False,
+    no_cache: NoCache = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Judge tracks that were made elsewhere from the plots of a run, beside its own trackers."""
+    from sim.results.judging import with_track
+
+    tables = with_track(folder, name, tracks, None if sensors is None else sensors.split(","), plugins or ())
+    given = out if out is not None else folder.with_name(f"{folder.name}_{name}")
+    _run(tables, {}, given, plugins, as_json, quiet, verbose)
+
+
+@app.command()
 def record(
     tracks: Annotated[Path, typer.Argument(help="Recorded tracks, CSV or Parquet.")],
     runway: Annotated[Path, typer.Option(metavar="FILE", help="TOML file with a table [runway], and [air] if known.")],

@@ -1,12 +1,14 @@
-"""Estimates that a tracker made elsewhere: a table with a line for each update, its columns known by their names."""
+"""Estimates that a tracker made elsewhere: a table with a line for each update, or the system tracks of ASTERIX."""
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from sim.interchange.asterix.tracks import read_estimates as read_asterix
+from sim.interchange.asterix.writing import ADDRESS
 from sim.interchange.cells import CellTable, Column, Columns, listed, text_columns
 from sim.interchange.clocks import Stamps
 
@@ -30,13 +32,13 @@ SLACK = 1e-9  # of a correlation above 1: digits of a file
 
 
 class Estimates(NamedTuple):
-    """r rows in the order of the file; SI, None = no such column."""
+    """r rows in the order of the file; SI, None = not said."""
 
     stamps: Stamps  # of (r,) seconds, in any order
     draw: np.ndarray | None  # (r,) of the noise
     number: np.ndarray | None  # (r,) of the track, texts
-    place: tuple[Any, Any]  # (r,) m north and east of the threshold, or latitude and longitude, rad, WGS 84
-    is_geographic: bool  # which of the two
+    local: np.ndarray | None  # (r, 2) m north and east of the threshold
+    geographic: np.ndarray | None  # (r, 2) latitude and longitude, rad, WGS 84
     velocity: np.ndarray | None  # (r, 2) m/s north, east
     cov: np.ndarray | None  # (r, 2, 2) m2 of the position, north and east
 
@@ -65,6 +67,7 @@ def estimates_of(found: Columns) -> Estimates:
         what = "no columns say a place; it takes" if not local else "it says the place twice; it takes"
         raise ValueError(f"{what} {wanted} (columns: {listed(found.header)})")
     place = PAIRS[1] if geographic else PAIRS[0]
+    places = [one for field in place if (one := values[field]) is not None]
     for field in place:
         table.refuse(field, values[field], lambda v: ~np.isfinite(v), "is no place")
     table.refuse("latitude", values["latitude"], lambda v: np.abs(v) > math.pi / 2, "is no latitude")
@@ -75,10 +78,34 @@ def estimates_of(found: Columns) -> Estimates:
         stamps,
         _draws(table),
         _numbers(table),
-        (values[place[0]], values[place[1]]),
-        geographic,
+        None if geographic else np.column_stack(places),
+        np.column_stack(places) if geographic else None,
         velocity,
         _covariance(table, {field: values[field] for field in SPREAD}),
+    )
+
+
+def estimates_of_asterix(content: bytes) -> Estimates:
+    """The system tracks of ASTERIX, CAT062; an address from F00000 hex on says the draw, as `export --asterix` has it.
+
+    Raises ``ValueError`` in one sentence for what cannot be read.
+    """
+    read = read_asterix(content)
+    place, local = np.column_stack((read.latitude, read.longitude)), np.column_stack((read.y, read.x))
+    told = [np.isfinite(one).all(axis=1) for one in (place, local)]
+    if not (told[0].all() or told[1].all()):
+        raise ValueError("has records without I062/105 or I062/100, which say where")
+    velocity = np.column_stack((read.velocity_y, read.velocity_x))
+    draw = np.where(read.address >= ADDRESS, read.address - ADDRESS, 0)
+    cov = read.position_cov[:, ::-1, ::-1]
+    return Estimates(
+        Stamps(False, read.time),
+        np.where(np.isfinite(draw), draw, 0).astype(int),
+        read.number.astype(str),
+        local if told[1].all() else None,
+        place if told[0].all() else None,
+        velocity if np.isfinite(velocity).all() else None,
+        cov if np.isfinite(cov).any() else None,
     )
 
 

@@ -1,5 +1,6 @@
 """Results: what a run found out, and its folder.
 
 ``result`` is the answer of ``sim.run``, ``studied`` that of ``sim.study``; ``saving`` writes the files of a run that
-programs read, ``loading`` makes the result of them again, `asterix` writes plots and tracks for the radars of others.
+programs read, ``loading`` makes the result of them again, `asterix` writes plots and tracks for the radars of others,
+``judging`` brings tracks of others back beside ours.
 """

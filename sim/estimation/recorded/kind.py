@@ -15,12 +15,14 @@ from aircraft.runway import Runway as Place
 from sim.errors import ScenarioError
 from sim.estimation.recorded.chain import Rows
 from sim.files import read_bytes
+from sim.interchange.asterix.reading import is_asterix
 from sim.interchange.cells import parquet_columns
-from sim.interchange.estimates import Estimates, estimates_of, read_estimates
+from sim.interchange.estimates import Estimates, estimates_of, estimates_of_asterix, read_estimates
 from sim.interchange.tables import PARQUET
 from sim.scenario.tables import Runway
 
 EXAMPLE = Path(__file__).with_suffix(".csv")  # made up: two looks at an aircraft on its final approach
+APART = 100.0  # m, of the median estimate: what heights do to latitude and longitude is less, another origin is more
 DIGEST = re.compile("[0-9a-f]{64}")
 
 
@@ -67,10 +69,7 @@ class Recorded:
         """What the file says, for a flight whose time 0 is ``utc``, s since 1970; None = it is flown at no date."""
         read = self._read
         count = len(read.stamps.time)
-        north, east = read.place
-        if read.is_geographic:
-            runway = Place(self.runway.latitude, self.runway.longitude, self.runway.elevation)
-            north, east = runway.local(north, east)
+        north, east = self._place(read)
         columns = [north, east]
         if read.velocity is not None:
             columns = [north, read.velocity[:, 0], east, read.velocity[:, 1]]
@@ -81,6 +80,21 @@ class Recorded:
             np.column_stack(columns),
             read.cov,
         )
+
+    def _place(self, read: Estimates) -> tuple[np.ndarray, np.ndarray]:
+        """(r,) m north and east of the threshold.
+
+        A file that says both is read by x and y where they are counted from the threshold, which they are if they agree
+        with latitude and longitude; else they are counted from another place.
+        """
+        if read.geographic is not None:
+            runway = Place(self.runway.latitude, self.runway.longitude, self.runway.elevation)
+            place = runway.local(*read.geographic.T)
+            if read.local is None or np.median(np.hypot(*(np.array(place) - read.local.T))) > APART:
+                return place
+        assert read.local is not None, "a file without a place is refused"
+        north, east = read.local.T
+        return north, east
 
 
 def _content(file: str) -> bytes:
@@ -97,6 +111,8 @@ def _estimates(file: str, digest: str) -> Estimates:
     if hashlib.sha256(content).hexdigest() != digest:
         raise ValueError(f"file '{file}' was changed while it was read")
     try:
+        if is_asterix(content, file):
+            return estimates_of_asterix(content)
         if content.startswith(PARQUET):
             return estimates_of(parquet_columns(Path(file), "estimates"))
         return read_estimates(content)
