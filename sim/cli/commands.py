@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -133,9 +134,10 @@ def _run(
     as_json: bool,
     quiet: bool = False,
     verbose: bool = False,
+    first: Callable[[dict[str, Any]], str] | None = None,
     **how: Any,
 ) -> None:
-    """Run a scenario into a folder and say what came of it."""
+    """Run a scenario into a folder and say what came of it; ``first`` says of its metrics what it was run for."""
     from sim import experiment
 
     def remark(sentence: str) -> None:
@@ -150,6 +152,8 @@ def _run(
         from sim.cli.run_summary import summary
         from sim.reporting.text.broken_checks import run_again
 
+        if first is not None:
+            typer.echo(printable(first(result.metrics)))
         again = run_again(folder / "scenario.toml", plugins or ())
         if not quiet:
             typer.echo(summary(result.metrics, again, result.prepared.warnings, result.contrasted))
@@ -175,11 +179,11 @@ def judge(
     verbose: Verbose = False,
 ) -> None:
     """Judge tracks that were made elsewhere from the plots of a run, beside its own trackers."""
-    from sim.results.judging import with_track
+    from sim.results.judging import verdict, with_track
 
     tables = with_track(folder, name, tracks, None if sensors is None else sensors.split(","), plugins or ())
     given = out if out is not None else folder.with_name(f"{folder.name}_{name}")
-    _run(tables, {}, given, plugins, as_json, quiet, verbose)
+    _run(tables, {}, given, plugins, as_json, quiet, verbose, functools.partial(verdict, name))
 
 
 @app.command()

@@ -10,6 +10,25 @@ from sim.results.loading import load
 from sim.scenario.plugins import Plugins
 
 
+def verdict(name: str, metrics: dict[str, Any]) -> str:
+    """What was found of a recorded tracker, in one line."""
+    found = metrics["trackers"][name]
+    whole, place = found.get("track"), found["overall"].get("position_m")
+    if whole is None or place is None:
+        return f"{name}: has no estimate at a look of its sensors, so it has no errors"
+    parts = [f"position {place['rmse']:.1f} m RMS"]
+    if place["gain"] is not None:
+        parts[0] += f", {place['gain']:.2f} times better than the plots"
+    if found["anees"] is not None:
+        parts.append(f"ANEES {found['anees']:.2f}")
+    parts.append(f"{100 * whole['completeness']:.0f} % of the looks taken up")
+    if whole["initiation_s"] is not None:
+        parts.append(f"first estimate {whole['initiation_s']:.1f} s after the first look")
+    if whole["number_changes"]:
+        parts.append(f"its number changes {whole['number_changes']:.2g} times")
+    return f"{name}: {'; '.join(parts)}"
+
+
 def with_track(folder: Path, name: str, file: Path, sensors: list[str] | None, plugins: Plugins = ()) -> dict[str, Any]:
     """The tables of a run's scenario with a recorded tracker ``name``; run again, its flight and plots are the same.
 

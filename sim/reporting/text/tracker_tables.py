@@ -29,7 +29,7 @@ def tracker_tables(trackers: dict[str, dict[str, Any]]) -> list[Table]:
     trackers = beside_twins(trackers)
     channels = list(dict.fromkeys(channel for t in trackers.values() for channel in t.get("overall") or {}))
     tables = [_channel(trackers, channel) for channel in channels]
-    return [*tables, _consistency(trackers), *_look_ahead(trackers)]
+    return [*tables, _consistency(trackers), *_recorded(trackers), *_look_ahead(trackers)]
 
 
 def beside_twins(trackers: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
@@ -146,6 +146,28 @@ def _consistency(trackers: dict[str, dict[str, Any]]) -> Table:
     header = ["tracker", "kind", "ANEES", "interval", "ANIS", "lost, %", "first lost at, s"]
     caption = "Consistency: 1 where errors are as large as the tracker says, above 1 where it is too sure of itself"
     return _marked(Table(caption, header, rows, 2), trackers, ["", "", "one", "", "one", "least", ""])
+
+
+def _recorded(trackers: dict[str, dict[str, Any]]) -> list[Table]:
+    """How whole the tracks are that were made elsewhere."""
+    made = {who: t["track"] for who, t in trackers.items() if t.get("track")}
+    rows = [
+        [
+            words(who),
+            _percent(t["completeness"]),
+            _percent(t["begun_fraction"]),
+            number(_real(t["initiation_s"]), 1),
+            number(_real(t["longest_gap_s"]), 1),
+            number(_real(t["number_changes"]), 2),
+            _percent(t["redundant_fraction"]),
+        ]
+        for who, t in made.items()
+    ]
+    header = [
+        "tracker", "looks taken up, %", "draws begun, %", "first estimate after, s", "longest gap, s",
+        "changes of number", "with two tracks, %",
+    ]  # fmt: skip
+    return [Table("Recorded tracks: how whole they are", header, rows)] if rows else []
 
 
 def _look_ahead(trackers: dict[str, dict[str, Any]]) -> list[Table]:
