@@ -12,7 +12,7 @@ from sim.metrics.tracker import _figure
 def test_the_noise_that_a_tracker_shares_with_its_plots_is_not_in_the_interval():
     """A tracker that halves every draw's error has a gain of 2 for sure, however much the draws differ."""
     raw = np.random.default_rng(1).exponential(100.0, (40, 30)) * np.linspace(1.0, 5.0, 30)
-    alike, apart = _figure(raw / 4.0, raw), _figure(raw[:, ::-1] / 4.0, raw)
+    alike, apart = _figure(raw / 4.0, raw, None), _figure(raw[:, ::-1] / 4.0, raw, None)
     assert alike["gain_low"] == pytest.approx(2.0, rel=1e-12)
     assert alike["gain_high"] == pytest.approx(2.0, rel=1e-12)
     assert apart["gain"] == pytest.approx(2.0, rel=1e-12)
@@ -25,7 +25,7 @@ def test_the_interval_is_that_of_the_gain_where_looks_are_missed():
     rng = np.random.default_rng(2)
     squares, raw = rng.exponential(1.0, (50, 20)), rng.exponential(9.0, (50, 20))
     raw[rng.random(raw.shape) < np.linspace(0.0, 0.9, 20)] = np.nan
-    found = _figure(squares, raw)
+    found = _figure(squares, raw, None)
     assert found["gain"] == pytest.approx(np.sqrt(np.nansum(raw) / squares[np.isfinite(raw)].sum()), rel=1e-12)
     assert np.sqrt(found["gain_low"] * found["gain_high"]) == pytest.approx(found["gain"], rel=1e-12)
 
