@@ -94,7 +94,7 @@ Data
     - ``model_probabilities`` (k, M, draws) of M models, or None
     - ``skipped`` (k, draws) looks of which something could not be used, None = all were
     - of more than 512 draws these arrays lie in files: ``np.asarray`` or an index reads them
-- `Tracked` - one tracker, its record and what that had wrong (sim.estimation.tracking_run)
+- `Tracked` - one tracker, its record and what that had wrong (sim.estimation.tracked.outcome)
     - ``tracker``, as it was set up; ``law_from`` - origin of the law it assumes, None = none known; ``measurements``
       that it was given (of more than 512 draws, in the first of them); ``track``; ``curves`` - its errors over time,
       for figures (sim.metrics.error_curves); ``rollout`` - its Track after the landing, or None; ``squares`` - its
@@ -146,7 +146,8 @@ if TYPE_CHECKING:
     from sim.cli.explain import explain
     from sim.errors import OutputError, ScenarioError
     from sim.estimation.own_trackers import OwnTracker, tracker
-    from sim.estimation.tracking_run import Tracked, track
+    from sim.estimation.tracked.outcome import Tracked
+    from sim.estimation.tracking_run import track
     from sim.experiment import fly, read, report, run
     from sim.flight.linear_systems.systems import LinearSystems, linear
     from sim.flight.preparation import Prepared, prepare
@@ -204,7 +205,8 @@ _HOMES = {
     "sim.cli.explain": ("explain",),
     "sim.errors": ("OutputError", "ScenarioError"),
     "sim.estimation.own_trackers": ("OwnTracker", "tracker"),
-    "sim.estimation.tracking_run": ("Tracked", "track"),
+    "sim.estimation.tracked.outcome": ("Tracked",),
+    "sim.estimation.tracking_run": ("track",),
     "sim.experiment": ("fly", "read", "report", "run"),
     "sim.flight.linear_systems.systems": ("LinearSystems", "linear"),
     "sim.flight.preparation": ("prepare",),

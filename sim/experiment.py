@@ -20,7 +20,8 @@ from sim.estimation.navigation_errors import erring_navigator
 from sim.estimation.navigator import navigator
 from sim.estimation.own_trackers import OwnTrackers, check_own, packed, unpacked
 from sim.estimation.setup import check, height_profile
-from sim.estimation.tracking_run import Tracked, track
+from sim.estimation.tracked.outcome import Tracked
+from sim.estimation.tracking_run import track
 from sim.files import claim, plain, refuse_foreign, staged, write_json
 from sim.flight import loop as flights
 from sim.flight.departures import with_departure_events

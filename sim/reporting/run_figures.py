@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from sim.estimation.setup import height_profile
-from sim.estimation.tracking_run import Tracked
+from sim.estimation.tracked.outcome import Tracked
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight
 from sim.metrics.conformance import foremost

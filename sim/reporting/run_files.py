@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from aircraft.state import AircraftState
-from sim.estimation.tracking_run import Tracked, joined
+from sim.estimation.tracked.outcome import Tracked, joined
 from sim.flight.record import Flight
 from sim.observation.record import SensorRecord
 from sim.observation.sensor import QUANTITIES, quantity_of

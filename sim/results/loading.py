@@ -18,7 +18,8 @@ import numpy as np
 
 from aircraft.state import AircraftState, Command
 from sim.errors import OutputError, ScenarioError
-from sim.estimation.tracking_run import Tracked, track
+from sim.estimation.tracked.outcome import Tracked
+from sim.estimation.tracking_run import track
 from sim.files import DAMAGED, read_bytes, refuse_unwritten
 from sim.flight.preparation import Prepared, prepare
 from sim.flight.record import Event, Flight

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from sim.estimation.tracking_run import Tracked
+from sim.estimation.tracked.outcome import Tracked
 from sim.files import claim, staged, write_json
 from sim.flight.preparation import Prepared
 from sim.flight.record import Flight

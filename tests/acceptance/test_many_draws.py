@@ -51,11 +51,11 @@ def test_memory_is_bounded(draws, row, tmp_path):
 def test_parts_leave_every_byte_of_the_files(row, tmp_path, monkeypatch):
     """640 draws: 512 and 128, both whole vectors of the processor."""
     from sim import experiment
-    from sim.estimation import tracking_run
+    from sim.estimation.tracked import watch
 
     folders = []
     for together in (budget.TOGETHER, 10_000):
-        for module in (tracking_run, experiment):
+        for module in (watch, experiment):
             monkeypatch.setattr(module, "TOGETHER", together)
         folders.append(run_to_folder("an26_pattern", {"draws": 640}, tmp_path / str(together))[0])
     names = ["metrics.json", "flight.npz", "measurements.npz", "tracks.npz", "report.html"]

@@ -35,7 +35,7 @@ class Scale(NamedTuple):
         """Round values between the ends, about ``most`` at most."""
         low, high = min(low, high), max(low, high)
         if self.kind == "log":
-            return _powers(low, high)
+            return _powers(low, high, most)
         return _even(low, high, most)
 
 
@@ -58,11 +58,12 @@ def _even(low: float, high: float, most: int) -> list[float]:
     return found
 
 
-def _powers(low: float, high: float) -> list[float]:
+def _powers(low: float, high: float, most: int) -> list[float]:
     within = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     sizes = (1.0,) if high / low > WIDE else (1.0, 2.0, 5.0)
     found = [size * 10.0**power for power in within for size in sizes]
-    return [value for value in found if low * (1 - 1e-9) <= value <= high * (1 + 1e-9)]
+    found = [value for value in found if low * (1 - 1e-9) <= value <= high * (1 + 1e-9)]
+    return found if len(found) >= LEAST else _even(low, high, most)  # so short an axis is nearly linear
 
 
 def named(ticks: list[float], scale: Scale = LINEAR) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from aircraft.runway import Runway as Place
-from sim.estimation.tracking_run import Tracked, joined
+from sim.estimation.tracked.outcome import Tracked, joined
 from sim.interchange.asterix.writing import Estimates
 from sim.metrics.comparison import on_the_plane
 from sim.results.result import Result

@@ -11,6 +11,7 @@ import pytest
 
 from sim.estimation import tracking_run
 from sim.estimation.many_draws.filed_array import FiledArray
+from sim.estimation.tracked import watch
 from sim.experiment import fly
 from sim.flight.preparation import prepare
 from sim.observation.record import observe
@@ -52,7 +53,7 @@ def whole(flown):
 
 @pytest.mark.parametrize("size", [32, 64])
 def test_parts_leave_the_same_bytes(flown, whole, monkeypatch, size):
-    monkeypatch.setattr(tracking_run, "TOGETHER", size)
+    monkeypatch.setattr(watch, "TOGETHER", size)
     tracks, figures = tracking_run.track(*flown, {})
     assert all(isinstance(one.track.mean, FiledArray) for one in tracks.values())
     assert figures == whole[1]
@@ -67,7 +68,7 @@ def test_parts_leave_the_same_bytes(flown, whole, monkeypatch, size):
 
 def test_a_last_part_of_one_draw_is_that_draw(flown, whole, monkeypatch):
     """An array of one run looks like one that all runs share; vectors are not whole here, so digits may differ."""
-    monkeypatch.setattr(tracking_run, "TOGETHER", DRAWS - 1)
+    monkeypatch.setattr(watch, "TOGETHER", DRAWS - 1)
     tracks, _ = tracking_run.track(*flown, {})
     for name in TRACKERS:
         part, alone = tracks[name].track, whole[0][name].track

@@ -14,7 +14,8 @@ from sim.errors import ScenarioError
 from sim.estimation import prior as components
 from sim.estimation.navigator import navigator
 from sim.estimation.setup import build, check, told
-from sim.estimation.tracking_run import begins, track
+from sim.estimation.tracked.beginning import begins
+from sim.estimation.tracking_run import track
 from sim.experiment import fly
 from sim.flight.interpolation import truth_at
 from sim.flight.preparation import prepare

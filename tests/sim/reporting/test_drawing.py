@@ -134,6 +134,8 @@ def test_ticks_are_round_and_at_least_two():
 
 def test_logarithmic_ticks_are_1_2_5_or_powers_of_ten_alone():
     assert named(LOGARITHMIC.ticks(0.15, 30.0, 9), LOGARITHMIC) == ["0.2", "0.5", "1", "2", "5", "10", "20"]
+    # an axis that holds but one of them is nearly linear
+    assert named(LOGARITHMIC.ticks(0.65, 1.53, 6), LOGARITHMIC) == ["0.8", "1", "1.2", "1.4"]
     assert LOGARITHMIC.ticks(0.5, 2e4, 9) == [1.0, 10.0, 100.0, 1000.0, 10000.0]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from aircraft.state import AircraftState
-from sim.estimation.tracking_run import Tracked
+from sim.estimation.tracked.outcome import Tracked
 from sim.metrics.conformance import MISMATCHED
 from sim.metrics.error_curves import FEW_WINDOWS, error_curves, windows
 from sim.metrics.flight import flight_metrics
