@@ -33,6 +33,7 @@ STEP = re.compile(
     r"|^<!-- chart: (?P<report>\S+): (?P<title>.+?) -->\n!\[[^\]]*\]\((?P<picture>[^)]+)\)",
     re.MULTILINE | re.DOTALL,
 )
+OTHERS = re.compile(r"PYTEST_|CI$|BUILD_NUMBER$")  # with these pytest writes as another session or a CI has it
 TIMES = re.compile(r"\b\d+\.\d+s\b|=+(?= \d)|(?<=s )=+")  # of pytest's last line, whose rule is as long as they leave
 
 
@@ -72,7 +73,7 @@ def run(page: Path, folder: Path) -> Made:
 def output(command: str, folder: Path) -> str:
     """What a terminal of 100 columns shows of a command; a check or a test may fail."""
     environment = {
-        **{name: value for name, value in os.environ.items() if not name.startswith("PYTEST_XDIST")},
+        **{name: value for name, value in os.environ.items() if not OTHERS.match(name)},
         "COLUMNS": "100",
         "OPENBLAS_NUM_THREADS": "1",
         "PYTHONPATH": str(ROOT),
