@@ -100,7 +100,9 @@ def fault(model: type[BaseModel], item: Any, owner: Callable[[list[Any], str], s
     if item["type"] == "missing" and keys and isinstance(keys[-1], int):
         keys, plain = keys[:-1], f"must have more than {keys[-1]} values"
     if keys and isinstance(keys[-1], int):
-        return f"{_place(keys)}{plain}{_shown(item.get('input'))}"
+        what = f"{plain}{_shown(item.get('input'))}"
+        of_tables = item["type"] in ("model_type", "model_attributes_type", "dict_type") or len(keys) < 2
+        return f"{_place(keys)}{what}" if of_tables else f"{_place(keys[:-2])}{keys[-2]}: entry {keys[-1]} {what}"
     return f"{_place(keys[:-1])}{keys[-1] if keys else ''}: {plain}{_shown(item.get('input'))}"
 
 
@@ -128,7 +130,8 @@ def _place(location: list[Any]) -> str:
         return ""
     tables = [str(part) for part in location if isinstance(part, str) and "[" not in part]
     numbers = [f" entry {part}" for part in location if isinstance(part, int)]
-    return f"[{'.'.join(tables)}]{''.join(numbers)} "
+    address = f"[[{'.'.join(tables)}]]" if numbers else f"[{'.'.join(tables)}]"
+    return f"{address}{''.join(numbers)} "
 
 
 def _keys(model: Any, place: list[Any]) -> list[str]:

@@ -46,8 +46,8 @@ TOLD = {  # line -> what is said of it
     2: r"speed_kt: no such key; .*wind\.speed_kt",
     3: "not TOML",
     7: r"mass .* must lie within 35270 and 52910 lb.* \(got mass_lb = 20000\)",
-    9: r"\[start\] speed must be above 0 \(got speed_mps = -3\)",
-    11: r"\[wind\] speed must lie within 0 and 194\.4 kt \(got speed_kt = 400\)",  # 100 m/s
+    9: r"\[start\] speed_mps: must be above 0 \(got -3\)",
+    11: r"\[wind\] speed_kt: must be at most 194\.384 \(got 400\)",  # 100 m/s
     15: "no kind 'immm'; did you mean 'imm'",
     18: "no sensor 'radra'; did you mean 'radar'",
     23: "no tracker 'c'",
