@@ -65,7 +65,7 @@ EDGES = (
     "aircraft/units.py",
     "aircraft/properties.py",
     "aircraft/models/",
-    "sim/cli/commands.py",
+    "sim/cli/commands/",
     "sim/scenario/reading.py",
     "sim/reporting/",
 )

@@ -142,7 +142,7 @@ def test_trackers_can_be_taken_out(command, scenario, tmp_path):
         (("wind.speed_mps=nan",), "must be a finite number"),
         (("wind.speed_furlong=3",), "no such key"),
         (("aircraft.model=an62",), "did you mean"),
-        (("aircraft.mass_kg=-5",), "mass must be above 0"),
+        (("aircraft.mass_kg=-5",), "mass_kg: must be above 0"),
         (("start.height_m=-10",), "a flight starts above the ground"),
         (("autopilot.law.k1_deg_per_m=0.5", "autopilot.law.cross_track_limit_m=9000"), "orbit"),
         (("aircraft.model=an26", "route.legs.0.speed_mps=30"), "cannot be trimmed at"),
