@@ -317,8 +317,8 @@ def test_nothing_is_inherited():
 
 
 def test_parameters_have_units_that_files_can_spell():
-    """The second part of every ``Annotated`` is a unit of aircraft/units.py, or says that the simulation gives it."""
-    known = {unit for unit, _ in SUFFIXES.values()} | {"given"}
+    """The second part of every ``Annotated`` is a unit of aircraft/units.py, or a word of scenario/parameters.py."""
+    known = {unit for unit, _ in SUFFIXES.values()} | {"given", "not empty"}
     wrong = [
         f"{path}:{node.lineno} {ast.unparse(node)}"
         for path, tree in sources()

@@ -36,6 +36,7 @@ TOLD = {  # pydantic's kind of error -> what the value must be
     "greater_than_equal": "must be at least {ge:g}",
     "less_than": "must be below {lt}",
     "less_than_equal": "must be at most {le:g}",
+    "too_short": "must not be empty: give at least one",
     "too_long": "must have {max_length} values, not {actual_length}",
 }
 

@@ -25,6 +25,7 @@ from sim.scenario.messages import stem
 P = ParamSpec("P")
 R = TypeVar("R")
 GIVEN = "given"
+NOT_EMPTY = "not empty"  # of several values or tables: at least one
 INDICATED = "indicated"  # after the unit of a true airspeed; before an underscore, the beginning of its twin's keys
 MOST = 10**9  # of whole numbers, either way
 JSON_LIMITS = {"above": "exclusiveMinimum", "least": "minimum", "below": "exclusiveMaximum", "most": "maximum"}
@@ -47,6 +48,7 @@ class Parameter:
     default: Any
     is_airspeed: bool = False  # and has a twin that is indicated
     range: Range | None = None  # None = as far as a number of its unit can be
+    least: int = 0  # number of values, of a list or a table
 
     @functools.cached_property
     def keys(self) -> dict[str, float]:
@@ -67,17 +69,20 @@ def parameters(cls: type) -> tuple[Parameter, ...]:
     found = []
     for field in dataclasses.fields(cls):
         hint, unit, is_airspeed = hints[field.name], None, False
-        limited = range_of(hint)
+        limited, least = range_of(hint), 0
         if typing.get_origin(hint) is Annotated:
             hint, *notes = typing.get_args(hint)
             if GIVEN in notes:
                 continue
-            unit = next((note for note in notes if isinstance(note, str)), None)
+            unit = next((note for note in notes if isinstance(note, str) and note not in (INDICATED, NOT_EMPTY)), None)
             is_airspeed = INDICATED in notes
+            least = 1 if NOT_EMPTY in notes else 0
         factory = field.default_factory
         required = field.default is dataclasses.MISSING and factory is dataclasses.MISSING
         default = field.default if factory is dataclasses.MISSING else factory()
-        found.append(Parameter(field.name.rstrip("_"), field.name, unit, hint, required, default, is_airspeed, limited))
+        found.append(
+            Parameter(field.name.rstrip("_"), field.name, unit, hint, required, default, is_airspeed, limited, least)
+        )
     return tuple(found)
 
 
@@ -115,12 +120,16 @@ def _numbers(hint: Any, one: Parameter, factor: float = 1.0) -> Any:
     if origin in (types.UnionType, typing.Union):
         return typing.Union[tuple(_numbers(a, one, factor) for a in arguments)]  # noqa: UP007 (built at run time)
     if origin is tuple and len(arguments) == 2 and arguments[1] is Ellipsis:
-        return types.GenericAlias(list, (_numbers(arguments[0], one, factor),))
+        return _counted(types.GenericAlias(list, (_numbers(arguments[0], one, factor),)), one.least)
     if origin is tuple:
         return types.GenericAlias(tuple, tuple(_numbers(a, one, factor) for a in arguments))
     if origin is dict:
-        return types.GenericAlias(dict, (arguments[0], _numbers(arguments[1], one, factor)))
-    return hint
+        return _counted(types.GenericAlias(dict, (arguments[0], _numbers(arguments[1], one, factor))), one.least)
+    return _counted(hint, one.least) if hint is str else hint
+
+
+def _counted(hint: Any, least: int) -> Any:
+    return Annotated[hint, Field(min_length=least)] if least else hint
 
 
 @cached

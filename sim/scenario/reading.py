@@ -26,7 +26,7 @@ from sim.scenario.recording.plots_alone import faults_of_plots, located, recorde
 from sim.scenario.recording.table import RecordTable, final
 from sim.scenario.refusals.sound import sound_part
 from sim.scenario.refusals.units import in_words_of
-from sim.scenario.schema import ROUTES, file_model, kind_of, owner_of, parts_of
+from sim.scenario.schema import DEFAULT_MODE, DEFAULT_ROUTE, ROUTES, file_model, kind_of, owner_of, parts_of
 from sim.scenario.tables import (
     HIGHEST_FLIGHT,
     STARTS,
@@ -195,11 +195,11 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
     runway = table("runway", Runway) or Runway()
     air_table = table("air", AirTable) or AirTable()
     air = Air(runway.elevation, air_table.kelvin, air_table.qnh)
-    route_kind = kind_of(tables.get("route", {}), "pattern")
-    route = table("route", ROUTES[route_kind or "pattern"], functools.partial(_true_share, air))
+    route_kind = kind_of(tables.get("route", {}), DEFAULT_ROUTE)
+    route = table("route", ROUTES[route_kind or DEFAULT_ROUTE], functools.partial(_true_share, air))
     if is_recorded and "route" not in tables:
         route = final(runway)
-    mode = kind_of(tables.get("autopilot", {}), "lateral_navigation") or ""
+    mode = kind_of(tables.get("autopilot", {}), DEFAULT_MODE) or ""
     autopilot_table = {k: v for k, v in tables.get("autopilot", {}).items() if k != "law"}
     modes = _modes(faults, mode, numbers("departures"), catalogue)
     law_table = tables.get("autopilot", {}).get("law", {})
@@ -421,7 +421,7 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
         out |= {name: tables[name] for name in ("record", "route", "autopilot") if name in tables}
     for name in ("runway", "air", *flown):
         given = tables.get(name, {})
-        kind = {"route": kind_of(given, "pattern"), "autopilot": built["mode"]}.get(name)
+        kind = {"route": kind_of(given, DEFAULT_ROUTE), "autopilot": built["mode"]}.get(name)
         law = {"law": given["law"]} if "law" in given else {}
         out[name] = ({"kind": kind} if kind else {}) | _completed(built[name], given) | law
     if flown and built["wind"].events:

@@ -107,7 +107,7 @@ class Start:
     """Where a flight begins: on a phase of the pattern or a leg, before its end, beside it."""
 
     phase: str | None = None
-    leg: int | None = None
+    leg: Annotated[int | None, NOT_NEGATIVE] = None
     distance: Annotated[float | None, "m", LENGTH] = None  # to go to the end of the leg; absent = the whole leg
     cross_track: Annotated[float, "m", PLACE] = 0.0
     # true airspeed; absent = the leg's
@@ -165,7 +165,7 @@ class LegTable:
 class LegsTable:
     """A route of straight legs."""
 
-    legs: tuple[LegTable, ...]
+    legs: Annotated[tuple[LegTable, ...], "not empty"]
 
     final: ClassVar[int | None] = None  # no leg ends on the runway
     approach_speed: ClassVar[float | None] = None
@@ -305,7 +305,7 @@ class Check:
 
     metric: str
     name: str | None = None
-    during: str | tuple[str, ...] = "all"
+    during: Annotated[str | tuple[str, ...], "not empty"] = "all"
     statistic: Literal["max", "mean_5_s", "rms", "p95"] = "max"
     for_: Annotated[float, "s", NOT_NEGATIVE] = 0.0
     max: float | None = None  # in the metric's own suffix
@@ -399,7 +399,9 @@ class SensorFault:
 class StudyTable:
     """What a study varies, and how many samples it draws of what is distributed; without axes, of the air alone."""
 
-    axes: dict[str, Any] | None = None  # absent = nothing is varied: every sample is one more flight
+    axes: Annotated[dict[str, Any] | None, "not empty"] = (
+        None  # absent = nothing is varied: every sample is one more flight
+    )
     samples: Annotated[int, Range(least=1)] = 1
     show: tuple[str, ...] = ()  # what the report draws; absent = figures of checks, or the usual ones, and of trackers
     theory: Literal["orbit", "energy", "gain", "limits"] | None = None  # what maps draw before they are flown

@@ -54,5 +54,5 @@ SCENARIOS: dict[str, tuple[str | bytes, str]] = {
     "design_of_nonsense": (CAPTURE + "[designed]\nk1 = 'x'", r"\[designed\]"),
     "flights_without_end": (CAPTURE.replace("draws = 1", "flights = 1000000000"), "at most 100000"),
     "sensor_without_rest": (CAPTURE.replace("period_s = 0.5", "period_s = 1e-3"), "finer than 1/120 s"),
-    "empty_lists": (CAPTURE.replace('kind = "kalman"', 'kind = "kalman"\nsensors = []'), "at least one sensor"),
+    "empty_lists": (CAPTURE.replace('kind = "kalman"', 'kind = "kalman"\nsensors = []'), "sensors: must not be empty"),
 }

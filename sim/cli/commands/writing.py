@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -12,6 +13,7 @@ from sim.cli.commands.options import DEFAULT, NoCache, Plugins, Quiet, Sets, Ver
 from sim.cli.endings import BAD_INPUT, GOOD
 from sim.cli.terminal import say
 from sim.errors import OutputError, printable
+from sim.files import whole
 
 
 def validate(
@@ -39,8 +41,11 @@ def validate(
     raise typer.Exit(BAD_INPUT if bad else GOOD)
 
 
+SCHEMA = "scenario.schema.json"
+
+
 def new(file: Annotated[Path, typer.Argument(help="The scenario file to make.")]) -> None:
-    """Write a commented scenario to start from."""
+    """Write a commented scenario to start from, and beside it the schema by which editors complete and check it."""
     from importlib import resources
 
     from sim.scenario.schema import NAME
@@ -51,18 +56,28 @@ def new(file: Annotated[Path, typer.Argument(help="The scenario file to make.")]
     text = (resources.files("sim.scenario.bundled") / f"{DEFAULT}.toml").read_text(encoding="utf-8")
     try:
         with file.open("x", encoding="utf-8") as made:
-            made.write(text.replace(f'"{DEFAULT}"', json.dumps(name)))
+            made.write(f"#:schema ./{SCHEMA}\n" + text.replace(f'"{DEFAULT}"', json.dumps(name)))
     except FileExistsError:
         raise OutputError(f"{file}: exists already; choose another name") from None
     except OSError as error:
         raise OutputError(f"{file}: cannot be written: {error.strerror}") from None
+    beside = file.with_name(SCHEMA)
+    is_there = beside.exists()
+    if not is_there:
+        with whole(beside) as partial:
+            partial.write_text(_schema(), encoding="utf-8")
+    typer.echo(f"{beside} is there already, and kept" if is_there else f"wrote {beside}; editors complete keys by it")
     typer.echo(f"wrote {file}; fly it with: shortfinal run {file}")
 
 
 def schema(plugins: Plugins = None) -> None:
     """Print the JSON Schema of a scenario file."""
-    from sim.metrics.checks import with_examples
+    typer.echo(_schema(plugins or ()), nl=False)
+
+
+def _schema(plugins: Sequence[Path] = ()) -> str:
+    from sim.metrics.checks import with_names
     from sim.scenario.editors.json_schema import schema as made
     from sim.scenario.plugins import catalogue_with
 
-    typer.echo(json.dumps(with_examples(made(catalogue_with(plugins or ()))), indent=1))
+    return json.dumps(with_names(made(catalogue_with(plugins))), indent=1) + "\n"

@@ -97,7 +97,7 @@ def test_numbers_must_be_finite(value):
         ("autopilot", {"bank_limit_deg": 90.0}, "bank_limit_deg: must be at most 60 (got 90.0)"),
         ("autopilot", {"kind": "lateral_navigatoin"}, "did you mean 'lateral_navigation'?"),
         ("autopilot", {"navigation": "radar"}, "[autopilot] navigation: no tracker 'radar'"),
-        ("route", {"kind": "legs", "legs": []}, "a route needs at least one leg"),
+        ("route", {"kind": "legs", "legs": []}, "[route] legs: must not be empty: give at least one"),
         ("sensors", {"radar": {"kind": "surveilance_radar"}}, "did you mean 'surveillance_radar'?"),
         (
             "sensors",
