@@ -305,7 +305,7 @@ class Check:
 
     metric: str
     name: str | None = None
-    during: Annotated[str | tuple[str, ...], "not empty"] = "all"
+    during: str | tuple[str, ...] = "all"
     statistic: Literal["max", "mean_5_s", "rms", "p95"] = "max"
     for_: Annotated[float, "s", NOT_NEGATIVE] = 0.0
     max: float | None = None  # in the metric's own suffix
