@@ -168,6 +168,9 @@ def _keys(model: Any, place: list[Any]) -> list[str]:
 def _homes(model: Any, key: str) -> list[str]:
     """Where else in a file a key is at home, ``table.key``; none for keys that most tables have."""
     tables = {name: _model_in(field.annotation) for name, field in model.model_fields.items()}
+    for name, table in tables.items():  # wind_speed_kt
+        if (own := key.removeprefix(f"{name}_")) != key and own in getattr(table, "model_fields", ()):
+            return [f"{name}.{own}"]
     homes = [f"{name}.{key}" for name, table in tables.items() if key in getattr(table, "model_fields", ())]
     return homes if len(homes) <= MOST_HOMES else []
 

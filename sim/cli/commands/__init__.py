@@ -12,6 +12,7 @@ from sim.cli.commands.compare import compare
 from sim.cli.commands.examining import contract, doctor
 from sim.cli.commands.export import export
 from sim.cli.commands.flying import judge, record, run
+from sim.cli.commands.hints import hint
 from sim.cli.commands.identify import identify
 from sim.cli.commands.looking import explain, list_
 from sim.cli.commands.studying import resume, study
@@ -112,8 +113,7 @@ def _told(error: BaseException) -> int:
             if "\n" in told:  # nothing was asked, and the help is the answer
                 typer.echo(told)
             else:
-                command = error.ctx.command_path if error.ctx else app.info.name
-                say(f"shortfinal: {printable(told).rstrip('.')}; see '{command} -h'")
+                say(f"shortfinal: {printable(told).rstrip('.')}; {hint(error, told)}")
             return BAD_INPUT
         case ScenarioError() | OutputError():
             for line in str(error).splitlines():
