@@ -142,6 +142,8 @@ def _of_tables(
         if not found:
             return told, () if told else warnings, name
         told += [fault for fault in map(rest.numbered, found) if fault not in told and not rest.is_echo(fault)]
+        if any(MORE.fullmatch(fault) for fault in found):
+            break
         before = rest.gone.copy()
         rest.without(found)
         if rest.gone == before:

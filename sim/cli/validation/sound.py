@@ -28,9 +28,15 @@ class Rest:
         places = {place for fault in faults for place in places_of(fault, self.tables)}
         for place in sorted(places, key=_by_number, reverse=True):  # of an array the last first
             self.tables = _taken_out(self.tables, place)
-            self.gone.add(place)
+            self.gone.add(self._in_file(place))
             if len(place) == 2 and isinstance(place[1], int):
                 del self._numbers[str(place[0])][place[1]]
+
+    def _in_file(self, place: Place) -> Place:
+        """A place by the numbers that entries have in the file."""
+        if len(place) > 1 and isinstance(place[1], int):
+            return (place[0], self._numbers[str(place[0])][place[1]], *place[2:])
+        return place
 
     def numbered(self, fault: str) -> str:
         """A fault with the number that its entry has in the file."""
@@ -46,6 +52,11 @@ class Rest:
         table, rest = _table(fault)
         first = FIRST.match(rest)
         if first is not None and (*table, first[1]) in self.gone:
+            return True
+        keys = [str(gone[len(table)]) for gone in self.gone if gone[:-1] == table] if table and first is None else []
+        if keys and (
+            isinstance(table[-1], int) or any(is_named(key, word) for key in keys for word in WORD.findall(rest))
+        ):
             return True
         if any(lacks in fault for lacks in LACKS):
             return any(gone[: len(table)] == table or gone[0] in ("sensors", "trackers") for gone in self.gone)
@@ -72,6 +83,8 @@ def places_of(fault: str, tables: dict[str, Any]) -> set[Place]:
     own = _at(tables, table)
     first = FIRST.match(rest)
     words = [first[1]] if first is not None else [word.strip(".") for word in WORD.findall(rest)]
+    if words[:1] == ["kind"]:  # without it a table has other keys
+        words, own = [], None
     found = (
         {(*table, key) for word in words for key in own if is_named(str(key), word)} if isinstance(own, dict) else ()
     )
