@@ -64,7 +64,7 @@ def validate(source: str, overrides: dict[str, Any], catalogue: Catalogue) -> Ve
     found = lines(text)
     told = []
     for fault in dict.fromkeys([*syntax, *faults]):
-        at, number = AT_LINE.search(fault), line_of(fault, found)
+        at, number = AT_LINE.search(fault), line_of(fault, text, found)
         if (given := _of_command_line(fault, overrides)) is not None:
             told.append((0.0, f"{origin}: {given}"))
             continue

@@ -13,6 +13,7 @@ KEY = re.compile(
 )
 PART = re.compile(r"[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*'")
 TOLD = re.compile(r"\[{1,2}([^\]\s]+)\]{1,2}(?: entry (\d+))?:? ?(.*)", re.DOTALL)  # the place that a fault begins with
+QUOTED = re.compile(r"'([^']+)'")
 WORD = re.compile(r"'?([A-Za-z0-9_.-]+)'?")
 
 
@@ -34,8 +35,12 @@ def lines(text: str) -> dict[Place, int]:
     return found
 
 
-def line_of(fault: str, found: dict[Place, int]) -> int | None:
-    """The line of a fault, which begins with its place: ``[table] entry N key``, or the key itself; None = unknown."""
+def line_of(fault: str, text: str, found: dict[Place, int] | None = None) -> int | None:
+    """The line of a fault, which begins with its place: ``[table] entry N key``, or the key itself; None = unknown.
+
+    ``found`` are the `lines` of the text, where they are known already.
+    """
+    found, rows = lines(text) if found is None else found, text.splitlines()
     told = TOLD.match(fault)
     table, rest = ((), fault) if told is None else (parts(told[1]), told[3])
     if told is not None and told[2] is not None:
@@ -51,6 +56,10 @@ def line_of(fault: str, found: dict[Place, int]) -> int | None:
     inner = [place for place in found if table and place[:-2] == table and is_quoted(str(place[-1]), rest)]
     if inner:
         return found[inner[0]]
+    quoted = [f'"{value}"' for value in QUOTED.findall(rest)]
+    for place, number in found.items() if table else ():  # of a value
+        if place[:-1] == table and any(value in rows[number - 1] for value in quoted):
+            return number
     while table:
         if table in found:
             return found[table]

@@ -139,6 +139,6 @@ def test_lines_of_keys_however_they_are_written():
         ("o", "p"): 18,
         ("o", "p", "q"): 19,
     }
-    assert line_of("[[k]] entry 1 l: is wrong", found) == 15
-    assert line_of("[o.p.q] r: is wrong", found) == 19  # of what has no line of its own, that of its table
-    assert line_of("[nowhere] s: is wrong", found) is None
+    assert line_of("[[k]] entry 1 l: is wrong", text) == 15
+    assert line_of("[o.p.q] r: is wrong", text) == 19  # of what has no line of its own, that of its table
+    assert line_of("[nowhere] s: is wrong", text) is None
