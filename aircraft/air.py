@@ -19,6 +19,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
+from aircraft.ranges import Range
 from aircraft.state import STANDARD_GRAVITY
 
 Real = Any  # float or array
@@ -31,8 +32,10 @@ STANDARD_DENSITY = STANDARD_PRESSURE / (GAS_CONSTANT * STANDARD_TEMPERATURE)  # 
 HEAT_RATIO = 1.4  # of the specific heats
 LAYERS = ((0.0, -0.0065), (11000.0, 0.0), (20000.0, 0.001))  # geopotential m of their base, K/m; up to 32 km
 TROPOPAUSE = LAYERS[1][0]
-COLDEST, HOTTEST = FREEZING - 90.0, FREEZING + 60.0  # K; -89.2 and 56.7 C are the records near the ground [WMO]
-LOWEST_QNH, HIGHEST_QNH = 85000.0, 109000.0  # Pa; 870 and 1085 hPa are the records at sea level [WMO]
+# -89.2 and 56.7 C are the records near the ground [WMO]
+TEMPERATURE = Range(least=-90.0, most=60.0, why="nothing colder or hotter was ever measured near the ground")  # degC
+# 870 and 1085 hPa are the records at sea level [WMO]
+QNH = Range(least=85000.0, most=109000.0, why="nothing lower or higher was ever measured at sea level")  # Pa
 
 
 @dataclass(frozen=True)
@@ -44,21 +47,15 @@ class Air:
 
     elevation: Annotated[float, "m"] = 0.0
     temperature: float | None = None  # K, at the threshold; None = standard at that elevation
-    qnh: Annotated[float, "Pa"] = (
-        STANDARD_PRESSURE  # with it an altimeter at the threshold shows the (geopotential) elevation
-    )
+    # with it an altimeter at the threshold shows the (geopotential) elevation
+    qnh: Annotated[float, "Pa"] = STANDARD_PRESSURE
 
     def __post_init__(self) -> None:
-        if self.temperature is not None and not COLDEST <= self.temperature <= HOTTEST:
-            raise ValueError(
-                f"the temperature must lie within {COLDEST - FREEZING:.0f} and {HOTTEST - FREEZING:.0f} C, not "
-                f"{self.temperature - FREEZING:g} C: nothing colder or hotter was ever measured near the ground"
-            )
-        if not LOWEST_QNH <= self.qnh <= HIGHEST_QNH:
-            raise ValueError(
-                f"the QNH must lie within {LOWEST_QNH / 100:.0f} and {HIGHEST_QNH / 100:.0f} hPa, not "
-                f"{self.qnh / 100:g} hPa: nothing lower or higher was ever measured at sea level"
-            )
+        temperature = None if self.temperature is None else TEMPERATURE.fault(self.temperature - FREEZING)
+        if temperature is not None:
+            raise ValueError(f"the temperature, in C, {temperature}")
+        if (qnh := QNH.fault(self.qnh)) is not None:
+            raise ValueError(f"the QNH, in Pa, {qnh}")
 
     @property
     def is_standard(self) -> bool:

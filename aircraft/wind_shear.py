@@ -6,9 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
+from aircraft.ranges import Range, check_ranges
 from aircraft.wind import SteadyWind
 
 LOWEST, HIGHEST = 3.0 * 0.3048, 1000.0 * 0.3048  # m above the ground, between which the profiles hold
+ROUGHNESS = Range(above=0.0, most=0.5 * LOWEST)
+EXPONENT = Range(above=0.0, most=1.0)
 
 
 @dataclass(frozen=True)
@@ -19,11 +22,10 @@ class LogarithmicProfile:
     approach and landing.
     """
 
-    roughness: Annotated[float, "m"] = 0.15 * 0.3048
+    roughness: Annotated[float, "m", ROUGHNESS] = 0.15 * 0.3048
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.roughness <= 0.5 * LOWEST:
-            raise ValueError(f"roughness must be above 0 and at most {0.5 * LOWEST:.2f} m, not {self.roughness:g} m")
+        check_ranges(self)
 
     def share(self, height: float, reference: float) -> float:
         """Speed at ``height`` over that at ``reference``, both m above the ground."""
@@ -37,11 +39,10 @@ class PowerProfile:
     One seventh is the classical exponent of neutral air over open country; stable air has up to about a half.
     """
 
-    exponent: float = 1.0 / 7.0
+    exponent: Annotated[float, EXPONENT] = 1.0 / 7.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.exponent <= 1.0:
-            raise ValueError(f"exponent must be above 0 and at most 1, not {self.exponent:g}")
+        check_ranges(self)
 
     def share(self, height: float, reference: float) -> float:
         """Speed at ``height`` over that at ``reference``, both m above the ground."""

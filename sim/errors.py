@@ -28,4 +28,4 @@ def did_you_mean(word: str, allowed: Iterable[str]) -> str:
     near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
     if near:
         return f"did you mean '{near[0]}'?"
-    return f"allowed: {', '.join(names)}" if names else "nothing is allowed here"
+    return f"allowed: {', '.join(names)}" if names else "there are none"

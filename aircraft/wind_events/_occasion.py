@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from aircraft.ranges import Range, check_ranges, within
+
 FASTEST = 100.0  # m/s
+SPEED = Range(least=0.0, most=FASTEST)
+UP = within(FASTEST)
 
 
 def one_minus_cosine(share: float) -> float:
@@ -46,10 +50,7 @@ def time_in_words(at: float | None, lasts: float | None) -> str:
 
 def check(event: Any, called: str) -> None:
     """Refuse an event without a sensible strength, or that has not exactly one of a time and a place."""
-    if not 0.0 <= event.speed <= FASTEST or not abs(event.up) <= FASTEST:
-        raise ValueError(
-            f"speed of {called} must lie within 0 and {FASTEST:.0f} m/s, up within {FASTEST:.0f} either way"
-        )
+    check_ranges(event)
     for name in ("at", "lasts", "past_threshold", "length"):
         value = getattr(event, name)
         if value is not None and not math.isfinite(value):
@@ -61,7 +62,3 @@ def check(event: Any, called: str) -> None:
         raise ValueError(
             f"{called} comes at a time (at, lasts) or at a place (past_threshold, length): say one of them"
         )
-    if event.at is not None and event.at < 0.0:
-        raise ValueError(f"at of {called} must not be negative: a flight begins at 0 s")
-    if not (event.lasts or event.length or 0.0) > 0.0:
-        raise ValueError(f"lasts and length of {called} must be above 0")

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
+from aircraft.ranges import ABOVE_ZERO, SINCE_BEGIN
 from aircraft.wind_event import Outline, circle
 from aircraft.wind_events._occasion import (
+    SPEED,
+    UP,
     amplitude,
     check,
     one_minus_cosine,
@@ -27,14 +30,14 @@ class Gust:
     gradient distance H, 9 to 107 m, is half of ``length``, and half of ``lasts`` times the airspeed.
     """
 
-    up: Annotated[float, "m/s"] = 0.0
-    speed: Annotated[float, "m/s"] = 0.0  # of the horizontal part
+    up: Annotated[float, "m/s", UP] = 0.0
+    speed: Annotated[float, "m/s", SPEED] = 0.0  # of the horizontal part
     from_: Annotated[float, "rad"] = 0.0  # where that blows from
-    at: Annotated[float | None, "s"] = None
-    lasts: Annotated[float | None, "s"] = None
+    at: Annotated[float | None, "s", SINCE_BEGIN] = None
+    lasts: Annotated[float | None, "s", ABOVE_ZERO] = None
     past_threshold: Annotated[float | None, "m"] = None
     right: Annotated[float, "m"] = 0.0  # of the centreline
-    length: Annotated[float | None, "m"] = None
+    length: Annotated[float | None, "m", ABOVE_ZERO] = None
     runway: Annotated[Any, "given"] = None  # where the threshold lies; needed by a gust at a place
     example: ClassVar[dict[str, Any]] = {"up_mps": 6.0, "at_s": 20.0, "lasts_s": 4.0}
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
+from aircraft.ranges import ABOVE_ZERO, SINCE_BEGIN, Range, check_ranges
 from aircraft.wind_event import Outline, circle
-from aircraft.wind_events._occasion import FASTEST, one_minus_cosine, place_in_words, time_in_words
+from aircraft.wind_events._occasion import SPEED, one_minus_cosine, place_in_words, time_in_words
 
 GROWTH = -0.15  # c1: how the outflow dies away with height, over the height of its peak
 FRICTION = -3.214924  # c2: how it comes up from the ground; c1 exp(c1) = c2 exp(c2) puts the peak where it is said
@@ -28,29 +29,22 @@ class Microburst:
     side, 75 m above the ground; the median peak was 11 m/s. High above the peak the model has too much wind.
     """
 
-    peak: Annotated[float, "m/s"]  # greatest outflow
+    peak: Annotated[float, "m/s", SPEED]  # greatest outflow
     past_threshold: Annotated[float, "m"]  # of its centre
     right: Annotated[float, "m"] = 0.0  # of the centreline
-    radius: Annotated[float, "m"] = 1550.0  # of the greatest outflow
-    height: Annotated[float, "m"] = 75.0  # of the greatest outflow
-    at: Annotated[float | None, "s"] = None  # absent = there all the time
-    lasts: Annotated[float | None, "s"] = None  # it swells and fades as one minus cosine
+    radius: Annotated[float, "m", Range(least=100.0, most=10_000.0)] = 1550.0  # of the greatest outflow
+    height: Annotated[float, "m", Range(least=10.0, most=1000.0)] = 75.0  # of the greatest outflow
+    at: Annotated[float | None, "s", SINCE_BEGIN] = None  # absent = there all the time
+    lasts: Annotated[float | None, "s", ABOVE_ZERO] = None  # it swells and fades as one minus cosine
     runway: Annotated[Any, "given"] = None  # where the threshold lies
     example: ClassVar[dict[str, Any]] = {"peak_mps": 11.0, "past_threshold_m": -2500.0}
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.peak <= FASTEST:
-            raise ValueError(f"peak of a microburst must lie within 0 and {FASTEST:.0f} m/s, not {self.peak:g} m/s")
+        check_ranges(self)
         if not (math.isfinite(self.past_threshold) and math.isfinite(self.right)):
             raise ValueError("past_threshold and right of a microburst must be finite numbers")
-        if not 100.0 <= self.radius <= 10_000.0:
-            raise ValueError(f"radius of a microburst must lie within 100 and 10000 m, not {self.radius:g} m")
-        if not 10.0 <= self.height <= 1000.0:
-            raise ValueError(f"height of a microburst must lie within 10 and 1000 m, not {self.height:g} m")
         if (self.at is None) != (self.lasts is None):
             raise ValueError("a microburst that comes and goes needs both at and lasts; absent, it is always there")
-        if self.at is not None and self.lasts is not None and not (self.at >= 0.0 and 0.0 < self.lasts < math.inf):
-            raise ValueError("at of a microburst must not be negative, and lasts must be above 0")
 
     @cached_property
     def centre(self) -> tuple[float, float]:

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
+from aircraft.ranges import ABOVE_ZERO, SINCE_BEGIN
 from aircraft.wind_event import Outline
 from aircraft.wind_events._occasion import (
+    SPEED,
+    UP,
     amplitude,
     check,
     one_minus_cosine,
@@ -25,13 +28,13 @@ class WindShift:
     ``length`` of the way to the runway, and blows from there on.
     """
 
-    speed: Annotated[float, "m/s"] = 0.0  # of the horizontal part
+    speed: Annotated[float, "m/s", SPEED] = 0.0  # of the horizontal part
     from_: Annotated[float, "rad"] = 0.0  # where that blows from
-    up: Annotated[float, "m/s"] = 0.0
-    at: Annotated[float | None, "s"] = None
-    lasts: Annotated[float | None, "s"] = None
+    up: Annotated[float, "m/s", UP] = 0.0
+    at: Annotated[float | None, "s", SINCE_BEGIN] = None
+    lasts: Annotated[float | None, "s", ABOVE_ZERO] = None
     past_threshold: Annotated[float | None, "m"] = None
-    length: Annotated[float | None, "m"] = None
+    length: Annotated[float | None, "m", ABOVE_ZERO] = None
     runway: Annotated[Any, "given"] = None  # where the threshold lies; needed by a shift at a place
     example: ClassVar[dict[str, Any]] = {"speed_mps": 5.0, "from_deg": 200.0, "at_s": 20.0, "lasts_s": 4.0}
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 
+from aircraft.ranges import ABOVE_ZERO, check_ranges
 from aircraft.state import STANDARD_GRAVITY
 from autopilot.mode import RATE_MARGIN, DesignCase, LimitedInput, Mode
 from autopilot.saturation import saturate
@@ -21,20 +22,18 @@ class LateralNavigation:
     whatever uses it.
     """
 
-    k1: Annotated[Any, "rad/m"]
-    k2: Annotated[Any, "rad/(m/s)"]
-    bank_limit: Annotated[Any, "rad"]
-    cross_track_limit: Annotated[Any, "m"]
-    cross_track_rate_limit: Annotated[Any, "m/s"]
+    k1: Annotated[Any, "rad/m", ABOVE_ZERO]
+    k2: Annotated[Any, "rad/(m/s)", ABOVE_ZERO]
+    bank_limit: Annotated[Any, "rad", ABOVE_ZERO]
+    cross_track_limit: Annotated[Any, "m", ABOVE_ZERO]
+    cross_track_rate_limit: Annotated[Any, "m/s", ABOVE_ZERO]
 
     intent: ClassVar[str] = "route law"
     standard: ClassVar[bool] = True
     intercept: ClassVar[tuple[str, ...]] = ("cross_track_limit", "cross_track_rate_limit")
 
     def __post_init__(self) -> None:
-        for name in ("k1", "k2", "bank_limit", "cross_track_limit", "cross_track_rate_limit"):
-            if not np.all(np.asarray(getattr(self, name)) > 0.0):
-                raise ValueError(f"{name} of the lateral navigation law must be positive, not {getattr(self, name)}")
+        check_ranges(self)
 
     @classmethod
     def designed(cls, given: dict[str, Any], case: DesignCase) -> Self:

@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-import numpy as np
-
+from aircraft.ranges import ABOVE_ZERO, NOT_NEGATIVE, check_ranges
 from autopilot.mode import DesignCase, LimitedInput
 from autopilot.saturation import saturate
 
@@ -28,12 +27,12 @@ class RadioBeacon:
     the leg otherwise.
     """
 
-    k3: float
-    k4: float
-    bank_limit: Annotated[Any, "rad"]
-    bearing_limit: Annotated[Any, "rad"]
+    k3: Annotated[float, ABOVE_ZERO]
+    k4: Annotated[float, ABOVE_ZERO]
+    bank_limit: Annotated[Any, "rad", ABOVE_ZERO]
+    bearing_limit: Annotated[Any, "rad", ABOVE_ZERO]
     course: Literal["track", "heading"] = "track"
-    cone_radius: Annotated[float, "m"] = 500.0
+    cone_radius: Annotated[float, "m", NOT_NEGATIVE] = 500.0
 
     intent: ClassVar[str] = "beacon law"
     standard: ClassVar[bool] = True
@@ -42,12 +41,7 @@ class RadioBeacon:
     def __post_init__(self) -> None:
         if self.course not in ("track", "heading"):
             raise ValueError(f"the course of the radio-beacon law is 'track' or 'heading', not '{self.course}'")
-        if not np.all(np.asarray(self.k3) > 0.0) or not np.all(np.asarray(self.k4) > 0.0):
-            raise ValueError("k3 and k4 of the radio-beacon law must be positive")
-        if not np.all(np.asarray(self.bank_limit) > 0.0) or not np.all(np.asarray(self.bearing_limit) > 0.0):
-            raise ValueError("the limits of the radio-beacon law must be positive")
-        if not self.cone_radius >= 0.0:
-            raise ValueError(f"the cone radius of the radio-beacon law must not be negative, not {self.cone_radius} m")
+        check_ranges(self)
 
     @classmethod
     def designed(cls, given: dict[str, Any], case: DesignCase) -> Self:

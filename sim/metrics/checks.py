@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -56,12 +57,18 @@ def unknown_names(tables: dict[str, Any]) -> list[str]:
     return faults
 
 
-def with_examples(schema: dict[str, Any]) -> dict[str, Any]:
-    """The JSON Schema of a scenario file with the names that checks accept as examples, which editors offer."""
-    offered = {"metric": (*signals.names(), *table.names()), "during": (*EVERYWHERE, *PHASES)}
+def with_names(schema: dict[str, Any]) -> dict[str, Any]:
+    """The JSON Schema of a scenario file with the names of metrics and phases that its checks accept."""
+    metrics, phases = [*signals.names(), *table.names()], [*EVERYWHERE, *PHASES]
+    of_file = "|".join(re.escape(prefix) for prefix in (OF_TRACKERS, OF_CONTRASTS))  # named by the file itself
+    phase = {"enum": phases}
+    told = {
+        "metric": {"anyOf": [{"enum": metrics}, {"type": "string", "pattern": f"^({of_file})"}], "examples": metrics},
+        "during": {"anyOf": [phase, {"type": "array", "items": phase, "minItems": 1}], "examples": phases},
+    }
     parts = dict(schema["$defs"])
     old = parts["Check"]["properties"]
-    more = {key: {**old[key], "examples": list(examples)} for key, examples in offered.items()}
+    more = {key: {**{k: v for k, v in old[key].items() if k != "type"}, **names} for key, names in told.items()}
     parts["Check"] = {**parts["Check"], "properties": {**old, **more}}
     return {**schema, "$defs": parts}
 

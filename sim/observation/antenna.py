@@ -140,31 +140,3 @@ def inside(outline: tuple[tuple[float, float], ...], north: Any, east: Any) -> n
         if n0 != n1:
             within ^= ((n0 > north) != (n1 > north)) & (east < e0 + (e1 - e0) * (north - n0) / (n1 - n0))
     return within
-
-
-def at_least_a_step(period: float, name: str = "period") -> None:
-    """Refuse sensors that are faster than the equations of motion."""
-    if not period >= 1 / 120:
-        raise ValueError(f"{name} must be at least 1/120 s: the flight is not known in finer steps")
-
-
-def positive(instance: Any, *names: str) -> None:
-    """Refuse parameters that are not above zero; None = not used."""
-    for name in names:
-        value = getattr(instance, name)
-        if value is not None and not value > 0:
-            raise ValueError(f"{name} must be above 0")
-
-
-def not_negative(instance: Any, *names: str) -> None:
-    """Refuse parameters below zero."""
-    for name in names:
-        if not getattr(instance, name) >= 0:
-            raise ValueError(f"{name} must not be negative")
-
-
-def share(instance: Any, *names: str) -> None:
-    """Refuse parameters that are not probabilities."""
-    for name in names:
-        if not 0 <= getattr(instance, name) <= 1:
-            raise ValueError(f"{name} must lie within 0 and 1")

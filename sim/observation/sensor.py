@@ -20,12 +20,14 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from aircraft.ranges import Range
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
 from sim.randomness import Streams
 from tracking.measurement import wrap
 
 DEGREES = 180 / np.pi  # of a radian
+PERIOD = Range(least=1 / 120, why="the flight is not known in steps finer than 1/120 s")  # s between epochs
 
 
 class Quantity(NamedTuple):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 import typing
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -36,9 +37,13 @@ TOLD = {  # pydantic's kind of error -> what the value must be
     "greater_than_equal": "must be at least {ge:g}",
     "less_than": "must be below {lt}",
     "less_than_equal": "must be at most {le:g}",
+    "too_short": "must not be empty: give at least one",
     "too_long": "must have {max_length} values, not {actual_length}",
 }
 
+TYPES = ("str", "int", "float", "bool")  # as the end of a place: one of several types of the value
+WRAPPED = re.compile(r"(function-|constrained-|list\[|tuple\[|dict\[)")
+WRONG_TYPE = re.compile(r"(.*: must be )(text|a list|a number|a whole number|a table)( \(got .*\)|)", re.DOTALL)
 MOVED = {("study", "checks"): "write each under [[checks]], with its share and confidence"}  # keys of old files
 
 
@@ -70,9 +75,21 @@ def faults_of(
     ``owner`` says to which other kind a key belongs that a table does not know.
     """
     items = error.errors(include_url=False, include_context=True)
-    return [fault(model, item, owner) for item in items[: 2 * MOST_FAULTS]] + [
-        str(number) for number in range(2 * MOST_FAULTS, len(items))
-    ]
+    told = _joined(fault(model, item, owner) for item in items[: 2 * MOST_FAULTS])
+    return told + [str(number) for number in range(2 * MOST_FAULTS, len(items))]
+
+
+def _joined(faults: Iterable[str]) -> list[str]:
+    """The faults, with one for a value that is none of several types: ``must be text or a list``."""
+    told: list[str] = []
+    for one in faults:
+        last = WRONG_TYPE.fullmatch(told[-1]) if told else None
+        found = WRONG_TYPE.fullmatch(one)
+        if last is not None and found is not None and last[1] == found[1]:
+            told[-1] = f"{last[1]}{last[2]} or {found[2]}{found[3]}"
+        else:
+            told.append(one)
+    return told
 
 
 def fault(model: type[BaseModel], item: Any, owner: Callable[[list[Any], str], str | None]) -> str:
@@ -94,13 +111,17 @@ def fault(model: type[BaseModel], item: Any, owner: Callable[[list[Any], str], s
         return f"{_place(place)}{key}: no such key; {hint}"
     message = item["msg"].removeprefix("Value error, ")
     plain = TOLD.get(item["type"], message[0].lower() + message[1:]).format(**item.get("ctx", {}))
-    keys = [part for part in location if not (isinstance(part, str) and part.startswith(("function-", "constrained-")))]
+    keys = [part for part in location if not (isinstance(part, str) and WRAPPED.match(part))]
+    if keys and keys[-1] in TYPES and item["type"] != "missing":
+        keys.pop()
     if item["type"] == "value_error" and isinstance(item.get("input"), dict):  # about a whole table
         return f"{_place(keys)}{plain}"
     if item["type"] == "missing" and keys and isinstance(keys[-1], int):
         keys, plain = keys[:-1], f"must have more than {keys[-1]} values"
     if keys and isinstance(keys[-1], int):
-        return f"{_place(keys)}{plain}{_shown(item.get('input'))}"
+        what = f"{plain}{_shown(item.get('input'))}"
+        of_tables = item["type"] in ("model_type", "model_attributes_type", "dict_type") or len(keys) < 2
+        return f"{_place(keys)}{what}" if of_tables else f"{_place(keys[:-2])}{keys[-2]}: entry {keys[-1]} {what}"
     return f"{_place(keys[:-1])}{keys[-1] if keys else ''}: {plain}{_shown(item.get('input'))}"
 
 
@@ -128,7 +149,8 @@ def _place(location: list[Any]) -> str:
         return ""
     tables = [str(part) for part in location if isinstance(part, str) and "[" not in part]
     numbers = [f" entry {part}" for part in location if isinstance(part, int)]
-    return f"[{'.'.join(tables)}]{''.join(numbers)} "
+    address = f"[[{'.'.join(tables)}]]" if numbers else f"[{'.'.join(tables)}]"
+    return f"{address}{''.join(numbers)} "
 
 
 def _keys(model: Any, place: list[Any]) -> list[str]:
@@ -146,6 +168,9 @@ def _keys(model: Any, place: list[Any]) -> list[str]:
 def _homes(model: Any, key: str) -> list[str]:
     """Where else in a file a key is at home, ``table.key``; none for keys that most tables have."""
     tables = {name: _model_in(field.annotation) for name, field in model.model_fields.items()}
+    for name, table in tables.items():  # wind_speed_kt
+        if (own := key.removeprefix(f"{name}_")) != key and own in getattr(table, "model_fields", ()):
+            return [f"{name}.{own}"]
     homes = [f"{name}.{key}" for name, table in tables.items() if key in getattr(table, "model_fields", ())]
     return homes if len(homes) <= MOST_HOMES else []
 

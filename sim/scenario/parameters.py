@@ -18,14 +18,17 @@ from typing import Annotated, Any, ParamSpec, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
 
+from aircraft.ranges import Range, range_of
 from aircraft.units import MAGNITUDES, PLAIN, WORDS, spellings
 from sim.scenario.messages import stem
 
 P = ParamSpec("P")
 R = TypeVar("R")
 GIVEN = "given"
+NOT_EMPTY = "not empty"  # of several values or tables: at least one
 INDICATED = "indicated"  # after the unit of a true airspeed; before an underscore, the beginning of its twin's keys
 MOST = 10**9  # of whole numbers, either way
+JSON_LIMITS = {"above": "exclusiveMinimum", "least": "minimum", "below": "exclusiveMaximum", "most": "maximum"}
 
 
 def cached(function: Callable[P, R]) -> Callable[P, R]:
@@ -44,6 +47,8 @@ class Parameter:
     required: bool
     default: Any
     is_airspeed: bool = False  # and has a twin that is indicated
+    range: Range | None = None  # None = as far as a number of its unit can be
+    least: int = 0  # number of values, of a list or a table
 
     @functools.cached_property
     def keys(self) -> dict[str, float]:
@@ -64,52 +69,67 @@ def parameters(cls: type) -> tuple[Parameter, ...]:
     found = []
     for field in dataclasses.fields(cls):
         hint, unit, is_airspeed = hints[field.name], None, False
+        limited, least = range_of(hint), 0
         if typing.get_origin(hint) is Annotated:
             hint, *notes = typing.get_args(hint)
             if GIVEN in notes:
                 continue
-            unit = next((note for note in notes if isinstance(note, str)), None)
+            unit = next((note for note in notes if isinstance(note, str) and note not in (INDICATED, NOT_EMPTY)), None)
             is_airspeed = INDICATED in notes
+            least = 1 if NOT_EMPTY in notes else 0
         factory = field.default_factory
         required = field.default is dataclasses.MISSING and factory is dataclasses.MISSING
         default = field.default if factory is dataclasses.MISSING else factory()
-        found.append(Parameter(field.name.rstrip("_"), field.name, unit, hint, required, default, is_airspeed))
+        found.append(
+            Parameter(field.name.rstrip("_"), field.name, unit, hint, required, default, is_airspeed, limited, least)
+        )
     return tuple(found)
 
 
 @cached
-def _finite(unit: str | None, factor: float) -> Any:
-    """A strict number of a size that something real has; ``factor`` is that of a key to the SI unit."""
+def _limited(number: type, unit: str | None, factor: float, limits: Range) -> Any:
+    """A strict number of a size that something real has, within its limits; ``factor`` is that of a key to its unit."""
     least, most = (float(f"{size / factor:.3g}") for size in (PLAIN if unit is None else MAGNITUDES[unit]))
+    most = MOST if number is int else most
+    extra = {JSON_LIMITS[name]: number(limit) for name, _, limit in limits.limits(factor)}
 
-    def not_minute(value: float) -> float:
-        if value != 0.0 and abs(value) < least:
+    def kept(value: float) -> float:
+        if (fault := limits.fault(value, factor)) is not None:
+            raise ValueError(fault)
+        if number is float and value != 0.0 and abs(value) < least:
             raise ValueError(f"must be 0 or at least {least:g} in size")
         return value
 
-    return Annotated[float, Field(allow_inf_nan=False, strict=True, ge=-most, le=most), AfterValidator(not_minute)]
+    low, high = -most if limits.low is None else None, most if limits.high is None else None
+    is_finite = False if number is float else None
+    field = Field(strict=True, allow_inf_nan=is_finite, ge=low, le=high, json_schema_extra=extra)
+    return Annotated[number, field, AfterValidator(kept)]
 
 
-def _numbers(hint: Any, unit: str | None, factor: float = 1.0) -> Any:
+def _numbers(hint: Any, one: Parameter, factor: float = 1.0) -> Any:
     """The pydantic type of one key: finite strict numbers, tables for nested parameter classes."""
-    if hint is float or (hint is Any and unit is not None):
-        return _finite(unit, factor)
+    if hint is float or (hint is Any and one.unit is not None):
+        return _limited(float, one.unit, factor, one.range or Range())
     if hint is int:
-        return Annotated[int, Field(strict=True, ge=-MOST, le=MOST)]
+        return _limited(int, None, 1.0, one.range or Range())
     if hint is bool:
         return Annotated[bool, Field(strict=True)]
     if isinstance(hint, type) and dataclasses.is_dataclass(hint):
         return model_of(hint)
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
     if origin in (types.UnionType, typing.Union):
-        return typing.Union[tuple(_numbers(a, unit, factor) for a in arguments)]  # noqa: UP007 (built at run time)
+        return typing.Union[tuple(_numbers(a, one, factor) for a in arguments)]  # noqa: UP007 (built at run time)
     if origin is tuple and len(arguments) == 2 and arguments[1] is Ellipsis:
-        return types.GenericAlias(list, (_numbers(arguments[0], unit, factor),))
+        return _counted(types.GenericAlias(list, (_numbers(arguments[0], one, factor),)), one.least)
     if origin is tuple:
-        return types.GenericAlias(tuple, tuple(_numbers(a, unit, factor) for a in arguments))
+        return types.GenericAlias(tuple, tuple(_numbers(a, one, factor) for a in arguments))
     if origin is dict:
-        return types.GenericAlias(dict, (arguments[0], _numbers(arguments[1], unit, factor)))
-    return hint
+        return _counted(types.GenericAlias(dict, (arguments[0], _numbers(arguments[1], one, factor))), one.least)
+    return _counted(hint, one.least) if hint is str else hint
+
+
+def _counted(hint: Any, least: int) -> Any:
+    return Annotated[hint, Field(min_length=least)] if least else hint
 
 
 @cached
@@ -133,11 +153,11 @@ def model_of(
         if len(parameter.keys) == 1 and required:
             ((key, factor),) = parameter.keys.items()
             described = _in_words(parameter, key, factor)
-            fields[key] = (_numbers(parameter.kind, parameter.unit, factor), Field(description=described))
+            fields[key] = (_numbers(parameter.kind, parameter, factor), Field(description=described))
         else:
             for key, factor in parameter.keys.items():
                 described = _in_words(parameter, key, factor)
-                hint = _numbers(parameter.kind, parameter.unit, factor)
+                hint = _numbers(parameter.kind, parameter, factor)
                 fields[key] = (hint | None, Field(default=None, description=described))
     if kind is not None:
         fields["kind"] = (typing.Literal[kind], kind if defaulted_kind else ...)
@@ -180,6 +200,8 @@ def _one_of(keys: Iterable[str], required: bool) -> dict[str, Any]:
 def _in_words(parameter: Parameter, key: str, factor: float) -> str | None:
     """What an editor says of a key: its unit, and what holds without it."""
     told = [] if parameter.unit is None else [f"in {WORDS[key.removeprefix(f'{stem(key)}_')]}"]
+    if parameter.range is not None:
+        told.append(parameter.range.words(factor))
     if key in parameter.indicated_keys:
         told.append(f"indicated airspeed, instead of '{parameter.name}', which is true")
     elif (default := _default_in_words(parameter, factor)) is not None:

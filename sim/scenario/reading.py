@@ -24,9 +24,10 @@ from sim.scenario.plugins import Catalogue, Plugins, catalogue_with, is_outside,
 from sim.scenario.recording.completion import beside_file, completed_record, runway_file, strangers
 from sim.scenario.recording.plots_alone import faults_of_plots, located, recorded
 from sim.scenario.recording.table import RecordTable, final
+from sim.scenario.refusals.files import files_in, near_files
 from sim.scenario.refusals.sound import sound_part
 from sim.scenario.refusals.units import in_words_of
-from sim.scenario.schema import ROUTES, file_model, kind_of, owner_of, parts_of
+from sim.scenario.schema import DEFAULT_MODE, DEFAULT_ROUTE, ROUTES, file_model, kind_of, owner_of, parts_of
 from sim.scenario.tables import (
     HIGHEST_FLIGHT,
     STARTS,
@@ -47,6 +48,7 @@ from tracking.track import is_recorded
 SHORTEST_PERIOD = (1 - 1e-9) / 120  # s; the flight is not known in finer steps
 LARGEST_FILE = 1 << 20  # bytes; a scenario is a page of text
 DEEPEST = 100  # dots of one key; many more would keep the reader busy for minutes
+MOST_NAMED = 4  # bundled scenarios of a hint
 LONGEST_PATH = 200  # characters that are repeated to the user
 DEFAULTS: dict[str, Any] = {"seed": 1, "flights": 1, "draws": 130, "until_s": None}
 
@@ -131,7 +133,7 @@ def placed(tables: dict[str, Any], path: Path | None) -> dict[str, Any]:
     """The tables of a file, called by it where they have no name, with other files counted from its folder."""
     if path is None:
         return tables
-    named = {"name": path.name.removesuffix(".toml").removesuffix(".scenario"), **tables}
+    named = {"name": path.stem.removesuffix(".scenario"), **tables}
     return located(beside_file(named, path.parent), path.parent)
 
 
@@ -146,7 +148,8 @@ def parsed(origin: str, content: bytes) -> dict[str, Any]:
     except RecursionError:
         raise ScenarioError(f"{origin}: not TOML: nested too deeply") from None
     except ValueError as error:  # of its grammar, or of a number with thousands of digits
-        raise ScenarioError(report_faults(origin, [f"not TOML: {str(error).partition(';')[0]}"])) from None
+        what = "" if Path(origin).suffix in ("", ".toml") else "; a scenario is a TOML file, NAME.toml"
+        raise ScenarioError(report_faults(origin, [f"not TOML: {str(error).partition(';')[0]}{what}"])) from None
 
 
 def read_runway(path: Path) -> tuple[Runway, Air]:
@@ -166,13 +169,33 @@ def _content(path: Path, source: str) -> bytes:
                 raise ScenarioError(f"{path}: larger than {LARGEST_FILE} bytes, which no scenario is")
             return content
         if path.is_dir():
-            raise ScenarioError(f"{path}: is a folder; name a scenario file in it")
-        if path.exists() or path.suffix == ".toml" or "/" in source:
-            raise ScenarioError(f"{path}: {'no regular file' if path.exists() else 'no such file'}")
+            inside = f", such as {own[0]}" if (own := files_in(path)) else ""
+            raise ScenarioError(f"{path}: is a folder; name a scenario file in it{inside}")
+        if path.exists():
+            raise ScenarioError(f"{path}: no regular file")
+        near = near_files(path)
+        if path.suffix == ".toml" or "/" in source:
+            raise ScenarioError(f"{path}: no such file{f'; did you mean {near[0]}?' if near else ''}")
     except OSError as error:
         raise ScenarioError(f"{str(path)[:LONGEST_PATH]}: cannot be read: {error.strerror}") from None
-    near = did_you_mean(source, [*bundled.scenarios(), *bundled.studies()])
-    raise ScenarioError(report_faults(f"no scenario '{source}'", [near]))
+    raise ScenarioError(
+        report_faults(f"no scenario '{source}'", [f"did you mean {near[0]}?" if near else _bundled(source)])
+    )
+
+
+def _bundled(word: str) -> str:
+    """Which bundled scenarios somebody may have meant."""
+    names = [*bundled.scenarios(), *bundled.studies()]
+    begun = [name for name in names if word and name.startswith(word)]
+    if len(begun) > 1:
+        others = " or another of them" if len(begun) > MOST_NAMED else ""
+        return f"did you mean {', '.join(begun[:MOST_NAMED])}{others}? 'shortfinal list' shows all"
+    near = did_you_mean(word, names)
+    return (
+        near
+        if near.startswith("did")
+        else "'shortfinal list' shows those that are bundled; else name a file, NAME.toml"
+    )
 
 
 def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_checks: list[str]) -> Scenario:
@@ -195,11 +218,11 @@ def _build(origin: str, tables: dict[str, Any], catalogue: Catalogue, told_of_ch
     runway = table("runway", Runway) or Runway()
     air_table = table("air", AirTable) or AirTable()
     air = Air(runway.elevation, air_table.kelvin, air_table.qnh)
-    route_kind = kind_of(tables.get("route", {}), "pattern")
-    route = table("route", ROUTES[route_kind or "pattern"], functools.partial(_true_share, air))
+    route_kind = kind_of(tables.get("route", {}), DEFAULT_ROUTE)
+    route = table("route", ROUTES[route_kind or DEFAULT_ROUTE], functools.partial(_true_share, air))
     if is_recorded and "route" not in tables:
         route = final(runway)
-    mode = kind_of(tables.get("autopilot", {}), "lateral_navigation") or ""
+    mode = kind_of(tables.get("autopilot", {}), DEFAULT_MODE) or ""
     autopilot_table = {k: v for k, v in tables.get("autopilot", {}).items() if k != "law"}
     modes = _modes(faults, mode, numbers("departures"), catalogue)
     law_table = tables.get("autopilot", {}).get("law", {})
@@ -421,7 +444,7 @@ def _resolved(tables: dict[str, Any], built: dict[str, Any]) -> dict[str, Any]:
         out |= {name: tables[name] for name in ("record", "route", "autopilot") if name in tables}
     for name in ("runway", "air", *flown):
         given = tables.get(name, {})
-        kind = {"route": kind_of(given, "pattern"), "autopilot": built["mode"]}.get(name)
+        kind = {"route": kind_of(given, DEFAULT_ROUTE), "autopilot": built["mode"]}.get(name)
         law = {"law": given["law"]} if "law" in given else {}
         out[name] = ({"kind": kind} if kind else {}) | _completed(built[name], given) | law
     if flown and built["wind"].events:

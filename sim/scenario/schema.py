@@ -40,6 +40,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 ROUTES = {"pattern": PatternTable, "legs": LegsTable, "vectored": VectoredTable}
 RESERVED = {"trackers": {"truth": "'truth' is the motion itself, as [autopilot] navigation has it"}}
 FROM_OUTSIDE = "; others come with --plugin FILE"
+DEFAULT_ROUTE, DEFAULT_MODE = "pattern", "lateral_navigation"  # of files that name no kind
 LAW_GIVEN = ("bank_limit",)  # stands in [autopilot] itself
 DESIGNED = (
     "Gains of the inner loops and of the route law in SI, as a run writes them into its own scenario.toml. They fly as "
@@ -52,7 +53,7 @@ class TrackerTable(BaseModel):
     """The keys that every tracker's table has beside its own."""
 
     model_config = ConfigDict(extra="forbid")
-    sensors: list[str] | None = None
+    sensors: Annotated[list[str], Field(min_length=1)] | None = None
     handover: str | None = None
     association: typing.Literal["probabilistic"] | None = None
     law: dict[str, Annotated[float, Field(allow_inf_nan=False, strict=True)]] | None = None
@@ -66,9 +67,8 @@ def _tracker_model(cls: type, kind: str) -> type[BaseModel]:
 @functools.cache
 def _autopilot_model(cls: type, kind: str) -> type[BaseModel]:
     law: Any = model_of(cls, partial=True, without=LAW_GIVEN)
-    return create_model(
-        f"{kind}_autopilot", __base__=model_of(AutopilotTable, kind, defaulted_kind=True), law=(law | None, None)
-    )
+    base = model_of(AutopilotTable, kind, defaulted_kind=kind == DEFAULT_MODE)
+    return create_model(f"{kind}_autopilot", __base__=base, law=(law | None, None))
 
 
 MODELS: dict[str, Callable[[type, str], type[BaseModel]]] = {
@@ -80,7 +80,7 @@ MODELS: dict[str, Callable[[type, str], type[BaseModel]]] = {
 
 
 def route_model(kind: str) -> type[BaseModel]:
-    return model_of(ROUTES[kind], kind, defaulted_kind=kind == "pattern")
+    return model_of(ROUTES[kind], kind, defaulted_kind=kind == DEFAULT_ROUTE)
 
 
 @functools.lru_cache(maxsize=MOST_MODELS)
@@ -146,13 +146,13 @@ def kind_of(table: Any, default: str | None) -> str | None:
 def parts_of(tables: dict[str, Any], faults: list[str], catalogue: Catalogue) -> dict[str, Any]:
     """Types of the tables with kinds, for the kinds that this file uses."""
     parts: dict[str, Any] = {}
-    route = kind_of(tables.get("route", {}), "pattern")
+    route = kind_of(tables.get("route", {}), DEFAULT_ROUTE)
     if route in list(ROUTES):  # it may be anything, also what cannot be a key
         parts["route"] = route_model(route)
     else:
         faults.append(f"[route] kind: no kind '{route}'; {did_you_mean(str(route), ROUTES)}")
         parts["route"] = Any
-    mode = kind_of(tables.get("autopilot", {}), "lateral_navigation")
+    mode = kind_of(tables.get("autopilot", {}), DEFAULT_MODE)
     parts["autopilot"] = _model(catalogue, "modes", mode, "autopilot", faults)
     parts["sensors"] = _members("sensors", "sensors", tables.get("sensors"), faults, catalogue)
     parts["trackers"] = _members("trackers", "trackers", tables.get("trackers"), faults, catalogue)

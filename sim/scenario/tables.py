@@ -9,9 +9,10 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from aircraft.air import FREEZING, STANDARD_PRESSURE, Air
+from aircraft.air import FREEZING, QNH, STANDARD_PRESSURE, TEMPERATURE
+from aircraft.ranges import ABOVE_ZERO, NOT_NEGATIVE, SINCE_BEGIN, Range, check_ranges, within
 from aircraft.turbulence_intensity import INTENSITIES
-from aircraft.wind_shear import HIGHEST, LOWEST, LogarithmicProfile, PowerProfile
+from aircraft.wind_shear import EXPONENT, HIGHEST, LOWEST, ROUGHNESS, LogarithmicProfile, PowerProfile
 from sim.scenario.axes import Axis, Sampled, axis
 
 FASTEST = 1000.0  # m/s, of anything that flies an approach
@@ -19,14 +20,17 @@ HIGHEST_FLIGHT = 30_000.0  # m
 STARTS = {"downwind": 0, "base": 1, "final": 2}  # phases of a pattern on which a flight can begin, and their legs
 LARGEST_ERROR = 1000.0  # times that which a sensor states; beyond, it measures another thing
 FARTHEST = 1e6  # m from the threshold; the local metric is long wrong there
-
-
-def _within(instance: Any, low: float, high: float, unit: str, *names: str) -> None:
-    """Refuse numbers that no approach has; None is not used."""
-    for name in names:
-        value = getattr(instance, name)
-        if value is not None and not low <= value <= high:
-            raise ValueError(f"{name.rstrip('_')} must lie within {low:g} and {high:g} {unit}")
+STRONGEST = 100.0  # m/s, of a steady wind
+LAG = Range(least=0.0, most=30.0)
+LATITUDE = within(math.radians(85), "the local metric fails near a pole")
+BANDWIDTHS = Range(above=0.0, most=2.0, why="bandwidths of the bank loop")
+AIRSPEED = Range(least=1.0, most=FASTEST)  # of a leg that is flown
+DECELERATION = Range(above=0.0, most=100.0)
+HEIGHT = Range(above=0.0, most=HIGHEST_FLIGHT)
+START_HEIGHT = Range(above=0.0, most=HIGHEST_FLIGHT, why="a flight starts above the ground, and below 30 km")
+LENGTH = Range(above=0.0, most=FARTHEST)
+PLACE = within(FARTHEST)
+PROBABILITY = Range(above=0.0, below=1.0)
 
 
 def _one_line(instance: Any, about: str, *names: str) -> None:
@@ -40,25 +44,20 @@ def _one_line(instance: Any, about: str, *names: str) -> None:
 class Runway:
     """Where the threshold is and how the runway lies; the frame in which sensors and legs are placed."""
 
-    latitude: Annotated[float, "rad"] = math.radians(50.0)
+    latitude: Annotated[float, "rad", LATITUDE] = math.radians(50.0)
     longitude: Annotated[float, "rad"] = math.radians(30.0)
-    elevation: Annotated[float, "m"] = 0.0
+    elevation: Annotated[float, "m", Range(least=-500.0, most=9000.0)] = 0.0
     heading: Annotated[float, "rad"] = 0.0
-    glide_path: Annotated[float, "rad"] = math.radians(8.0 / 3.0)
-    aiming_point: Annotated[float, "m"] = 300.0
+    glide_path: Annotated[float, "rad", Range(above=0.0, most=math.radians(10))] = math.radians(8.0 / 3.0)
+    aiming_point: Annotated[float, "m", PLACE] = 300.0
     # where a touchdown is a landing, past the threshold and off the centreline [CS AWO.A.ALS.106, from memory]
-    touchdown_from: Annotated[float, "m"] = 60.0
-    touchdown_to: Annotated[float, "m"] = 823.0
-    touchdown_aside: Annotated[float, "m"] = 21.0  # also how far off a roll-out leaves the runway
+    touchdown_from: Annotated[float, "m", PLACE] = 60.0
+    touchdown_to: Annotated[float, "m", PLACE] = 823.0
+    # also how far off a roll-out leaves the runway
+    touchdown_aside: Annotated[float, "m", Range(least=1.0, most=FARTHEST)] = 21.0
 
     def __post_init__(self) -> None:
-        if not abs(self.latitude) <= math.radians(85):
-            raise ValueError("latitude must be within 85 degrees of the equator: the local metric fails near a pole")
-        if not 0 < self.glide_path <= math.radians(10):
-            raise ValueError("glide_path must be above 0 and at most 10 degrees")
-        _within(self, -500.0, 9000.0, "m", "elevation")
-        _within(self, -FARTHEST, FARTHEST, "m", "aiming_point", "touchdown_from", "touchdown_to")
-        _within(self, 1.0, FARTHEST, "m", "touchdown_aside")
+        check_ranges(self)
         if not self.touchdown_from < self.touchdown_to:
             raise ValueError("touchdown_from must lie before touchdown_to")
 
@@ -77,11 +76,11 @@ class Runway:
 class AirTable:
     """The still air as it is measured at the runway; absent = the standard atmosphere."""
 
-    temperature: Annotated[float | None, "degC"] = None  # at the threshold
-    qnh: Annotated[float, "Pa"] = STANDARD_PRESSURE
+    temperature: Annotated[float | None, "degC", TEMPERATURE] = None  # at the threshold
+    qnh: Annotated[float, "Pa", QNH] = STANDARD_PRESSURE
 
     def __post_init__(self) -> None:
-        Air(0.0, self.kelvin, self.qnh)  # its own limits
+        check_ranges(self)
 
     @property
     def kelvin(self) -> float | None:
@@ -94,18 +93,13 @@ class AircraftChoice:
     """Which aircraft flies: a bundled or stock model by name, a folder, or ``point_mass``."""
 
     model: str = "point_mass"
-    mass: Annotated[float | None, "kg"] = None
+    mass: Annotated[float | None, "kg", Range(above=0.0, most=1e6)] = None
     centre_of_gravity_mac: float | None = None
-    factors: dict[str, float] = field(default_factory=dict)
+    factors: Annotated[dict[str, float], ABOVE_ZERO] = field(default_factory=dict)
     repairs: bool = False  # what waits for another simulator is mended, and told
 
     def __post_init__(self) -> None:
-        if self.mass is not None and self.mass <= 0:
-            raise ValueError("mass must be above 0")
-        _within(self, 0.0, 1e6, "kg", "mass")
-        for name, factor in self.factors.items():
-            if not math.isfinite(factor) or factor <= 0:
-                raise ValueError(f"factors.{name} must be a finite number above 0")
+        check_ranges(self)
 
 
 @dataclass(frozen=True)
@@ -113,25 +107,18 @@ class Start:
     """Where a flight begins: on a phase of the pattern or a leg, before its end, beside it."""
 
     phase: str | None = None
-    leg: int | None = None
-    distance: Annotated[float | None, "m"] = None  # to go to the end of the leg; absent = the whole leg
-    cross_track: Annotated[float, "m"] = 0.0
-    speed: Annotated[float | None, "m/s", "indicated"] = None  # true airspeed; absent = the leg's
-    height: Annotated[float | None, "m"] = None  # absent = the leg's
+    leg: Annotated[int | None, NOT_NEGATIVE] = None
+    distance: Annotated[float | None, "m", LENGTH] = None  # to go to the end of the leg; absent = the whole leg
+    cross_track: Annotated[float, "m", PLACE] = 0.0
+    # true airspeed; absent = the leg's
+    speed: Annotated[float | None, "m/s", "indicated", Range(above=0.0, most=FASTEST)] = None
+    height: Annotated[float | None, "m", START_HEIGHT] = None  # absent = the leg's
     course: Annotated[float | None, "rad"] = None  # over the ground, clockwise from north; absent = the leg's
 
     def __post_init__(self) -> None:
+        check_ranges(self)
         if self.phase is not None and self.leg is not None:
             raise ValueError("say 'phase' (pattern) or 'leg' (legs), not both")
-        if self.speed is not None and self.speed <= 0:
-            raise ValueError("speed must be above 0")
-        if self.height is not None and self.height <= 0:
-            raise ValueError("height must be above 0: a flight starts above the ground")
-        if self.distance is not None and self.distance <= 0:
-            raise ValueError("distance must be above 0")
-        _within(self, 0.0, FASTEST, "m/s", "speed")
-        _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
-        _within(self, -FARTHEST, FARTHEST, "m", "cross_track", "distance")
 
 
 @dataclass(frozen=True)
@@ -139,28 +126,19 @@ class PatternTable:
     """The landing pattern: downwind, base, final, glide path [Volovyk 2022, experiment]."""
 
     side: Literal["left", "right"] = "left"
-    height: Annotated[float, "m"] = 400.0
-    downwind_abeam: Annotated[float, "m"] = 7000.0
-    base_distance: Annotated[float, "m"] = 13800.0  # before the aiming point
-    downwind_speed: Annotated[float, "m/s", "indicated"] = 72.0  # this and the next two are true airspeeds
-    turn_speed: Annotated[float, "m/s", "indicated"] = 69.0
-    approach_speed: Annotated[float, "m/s", "indicated"] = 58.0
-    deceleration: Annotated[float, "m/s2"] = 0.5
-    glide_deceleration: Annotated[float | None, "m/s2"] = None  # on the glide path; absent = the same
+    height: Annotated[float, "m", HEIGHT] = 400.0
+    downwind_abeam: Annotated[float, "m", LENGTH] = 7000.0
+    base_distance: Annotated[float, "m", LENGTH] = 13800.0  # before the aiming point
+    downwind_speed: Annotated[float, "m/s", "indicated", AIRSPEED] = 72.0  # this and the next two are true airspeeds
+    turn_speed: Annotated[float, "m/s", "indicated", AIRSPEED] = 69.0
+    approach_speed: Annotated[float, "m/s", "indicated", AIRSPEED] = 58.0
+    deceleration: Annotated[float, "m/s2", DECELERATION] = 0.5
+    glide_deceleration: Annotated[float | None, "m/s2", DECELERATION] = None  # on the glide path; absent = the same
 
     final: ClassVar[int | None] = 2  # the leg that ends on the runway
 
     def __post_init__(self) -> None:
-        for name in ("height", "downwind_abeam", "base_distance", "downwind_speed", "turn_speed", "approach_speed"):
-            if getattr(self, name) <= 0:
-                raise ValueError(f"{name} must be above 0")
-        for name in ("deceleration", "glide_deceleration"):
-            if getattr(self, name) is not None and getattr(self, name) <= 0:
-                raise ValueError(f"{name} must be above 0")
-        _within(self, 0.0, 100.0, "m/s2", "deceleration")
-        _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
-        _within(self, 0.0, FARTHEST, "m", "downwind_abeam", "base_distance")
-        _within(self, 1.0, FASTEST, "m/s", "downwind_speed", "turn_speed", "approach_speed")
+        check_ranges(self)
 
     @property
     def levels(self) -> tuple[tuple[str, float, float], ...]:
@@ -172,27 +150,22 @@ class PatternTable:
 class LegTable:
     """One straight leg between two points (north, east) from the threshold."""
 
-    from_: Annotated[tuple[float, float], "m"]
-    to: Annotated[tuple[float, float], "m"]
-    speed: Annotated[float, "m/s", "indicated"]  # true airspeed
-    height: Annotated[float, "m"]
+    from_: Annotated[tuple[float, float], "m", PLACE]
+    to: Annotated[tuple[float, float], "m", PLACE]
+    speed: Annotated[float, "m/s", "indicated", AIRSPEED]  # true airspeed
+    height: Annotated[float, "m", HEIGHT]
 
     def __post_init__(self) -> None:
+        check_ranges(self)
         if self.from_ == self.to:
             raise ValueError("a leg needs two different points")
-        if self.speed <= 0 or self.height <= 0:
-            raise ValueError("speed and height of a leg must be above 0")
-        _within(self, 1.0, FASTEST, "m/s", "speed")
-        _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
-        if max(map(abs, (*self.from_, *self.to))) > FARTHEST:
-            raise ValueError(f"the ends of a leg must lie within {FARTHEST / 1e3:g} km of the threshold")
 
 
 @dataclass(frozen=True)
 class LegsTable:
     """A route of straight legs."""
 
-    legs: tuple[LegTable, ...]
+    legs: Annotated[tuple[LegTable, ...], "not empty"]
 
     final: ClassVar[int | None] = None  # no leg ends on the runway
     approach_speed: ClassVar[float | None] = None
@@ -214,34 +187,27 @@ class LegsTable:
 class AutopilotTable:
     """The route autopilot: which law, its limits, and what it navigates on."""
 
-    bank_limit: Annotated[float, "rad"] = math.radians(15.0)
-    roll_rate_limit: Annotated[float, "rad/s"] = math.radians(5.0)
+    bank_limit: Annotated[float, "rad", Range(above=0.0, most=math.radians(60))] = math.radians(15.0)
+    roll_rate_limit: Annotated[float, "rad/s", Range(above=0.0, most=math.radians(90))] = math.radians(5.0)
     navigation: str = "truth"
-    estimate_lag: Annotated[float, "s"] = 0.0  # of the cross-track rate that it is flown on; the law tolerates twice it
+    # of the cross-track rate that it is flown on; the law tolerates twice it
+    estimate_lag: Annotated[float, "s", LAG] = 0.0
     allow_orbit: bool = False
-    gate_height: Annotated[float, "m"] = 300.0  # below it an approach that is not stabilised goes around
-    frequency_share: float | None = None  # natural frequency of the law over the bank loop's; absent = designed
-    damping: float | None = None  # of the law inside its limits, instead of its k2
-    intercept_speed: Annotated[float | None, "m/s"] = None  # across the leg, k1 z_max / k2, instead of its z_max
-    bank_lag: Annotated[float, "s"] = 0.0  # of the bank command behind the law's, beside the lag of the bank itself
+    # below it an approach that is not stabilised goes around
+    gate_height: Annotated[float, "m", Range(least=0.0, most=1000.0)] = 300.0
+    # natural frequency of the law over the bank loop's; absent = designed
+    frequency_share: Annotated[float | None, BANDWIDTHS] = None
+    # of the law inside its limits, instead of its k2
+    damping: Annotated[float | None, Range(least=0.05, most=5.0)] = None
+    # across the leg, k1 z_max / k2, instead of its z_max
+    intercept_speed: Annotated[float | None, "m/s", AIRSPEED] = None
+    # of the bank command behind the law's, beside the lag of the bank itself
+    bank_lag: Annotated[float, "s", LAG] = 0.0
 
     def __post_init__(self) -> None:
-        if self.frequency_share is not None and not 0 < self.frequency_share <= 2:
-            raise ValueError("frequency_share must be above 0 and at most 2 bandwidths of the bank loop")
-        if self.damping is not None and not 0.05 <= self.damping <= 5.0:
-            raise ValueError("damping must lie within 0.05 and 5")
-        _within(self, 1.0, FASTEST, "m/s", "intercept_speed")
-        _within(self, 0.0, 30.0, "s", "bank_lag")
-        if not 0 <= self.estimate_lag <= 30:
-            raise ValueError("estimate_lag must lie within 0 and 30 s")
+        check_ranges(self)
         if self.frequency_share is not None and self.estimate_lag > 0:
             raise ValueError("frequency_share sets the law outright: leave it out, or leave estimate_lag out")
-        if not 0 <= self.gate_height <= 1000:
-            raise ValueError("gate_height must lie within 0 and 1000 m")
-        if not 0 < self.bank_limit <= math.radians(60):
-            raise ValueError("bank_limit must be above 0 and at most 60 degrees")
-        if not 0 < self.roll_rate_limit <= math.radians(90):
-            raise ValueError("roll_rate_limit must be above 0 and at most 90 degrees per second")
 
 
 TOWER = 10.0  # m above the ground, where wind is measured
@@ -258,36 +224,31 @@ class WindTable:
     """
 
     from_: Annotated[float, "rad"] = 0.0
-    speed: Annotated[float, "m/s"] = 0.0
-    headwind: Annotated[float | None, "m/s"] = None  # instead of from and speed; + against the landing aircraft
-    crosswind: Annotated[float | None, "m/s"] = None  # + from its right
+    speed: Annotated[float, "m/s", Range(least=0.0, most=STRONGEST)] = 0.0
+    # instead of from and speed; + against the landing aircraft
+    headwind: Annotated[float | None, "m/s", within(STRONGEST)] = None
+    crosswind: Annotated[float | None, "m/s", within(STRONGEST)] = None  # + from its right
     turbulence: Literal["none", "light", "moderate", "severe", "by_wind"] = "none"
-    w20: Annotated[float | None, "m/s"] = None
+    w20: Annotated[float | None, "m/s", Range(above=0.0, most=50.0)] = None
     shear: Literal["none", "logarithmic", "power"] = "none"
-    reference_height: Annotated[float | None, "m"] = None  # where ``speed`` is measured; absent = 10 m
-    roughness: Annotated[float | None, "m"] = None  # of the logarithmic profile
-    exponent: float | None = None  # of the power profile
+    # where ``speed`` is measured; absent = 10 m
+    reference_height: Annotated[float | None, "m", Range(least=LOWEST, most=HIGHEST)] = None
+    roughness: Annotated[float | None, "m", ROUGHNESS] = None  # of the logarithmic profile
+    exponent: Annotated[float | None, EXPONENT] = None  # of the power profile
     events: Annotated[dict[str, Any], "given"] = field(default_factory=dict)  # gusts and microbursts by name
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
     def __post_init__(self) -> None:
-        if not 0 <= self.speed <= 100:
-            raise ValueError("speed must lie within 0 and 100 m/s")
-        _within(self, -100.0, 100.0, "m/s", "headwind", "crosswind")
+        check_ranges(self)
         if self._by_components and (self.speed != 0.0 or self.from_ != 0.0):
             raise ValueError("say 'from' and 'speed', or 'headwind' and 'crosswind', not both")
         if self.w20 is not None and self.turbulence != "none":
             raise ValueError("say 'turbulence' or 'w20_kt', not both")
-        if self.w20 is not None and not 0 < self.w20 <= 50:
-            raise ValueError("w20 must be above 0 and at most 50 m/s")
         for name, shear in (("roughness", "logarithmic"), ("exponent", "power")):
             if getattr(self, name) is not None and self.shear != shear:
                 raise ValueError(f'{name} belongs to shear = "{shear}"')
         if self.reference_height is not None and self.shear == "none":
             raise ValueError('reference_height belongs to a shear, "logarithmic" or "power"')
-        if self.reference_height is not None and not LOWEST <= self.reference_height <= HIGHEST:
-            raise ValueError(f"reference_height must lie within {LOWEST:.1f} and {HIGHEST:.1f} m")
-        _ = self.profile  # its own limits
 
     @property
     def _by_components(self) -> bool:
@@ -346,20 +307,17 @@ class Check:
     name: str | None = None
     during: str | tuple[str, ...] = "all"
     statistic: Literal["max", "mean_5_s", "rms", "p95"] = "max"
-    for_: Annotated[float, "s"] = 0.0
+    for_: Annotated[float, "s", NOT_NEGATIVE] = 0.0
     max: float | None = None  # in the metric's own suffix
     min: float | None = None
-    share: float | None = None  # of the flights, at least; absent = every flight
-    confidence: float | None = None  # one-sided
-    probability_max: float | None = None  # that a flight breaks it: 1 less the share
+    share: Annotated[float | None, PROBABILITY] = None  # of the flights, at least; absent = every flight
+    confidence: Annotated[float | None, PROBABILITY] = None  # one-sided
+    probability_max: Annotated[float | None, PROBABILITY] = None  # that a flight breaks it: 1 less the share
     source: str = ""
 
     def __post_init__(self) -> None:
         _one_line(self, f"check of '{self.metric}'", "name", "source")
-        for name in ("share", "confidence", "probability_max"):
-            value = getattr(self, name)
-            if value is not None and not 0 < value < 1:
-                raise ValueError(f"the check of '{self.metric}' needs a {name} above 0 and below 1, not {value:g}")
+        check_ranges(self)
         if self.share is not None and self.probability_max is not None:
             raise ValueError(f"the check of '{self.metric}' has 'share' and 'probability_max': say one of them")
         if self.confidence is None and self.required_share is not None:
@@ -375,8 +333,6 @@ class Check:
             raise ValueError(f"the check of '{self.metric}' needs 'max' or 'min'")
         if self.max is not None and self.min is not None and self.max < self.min:
             raise ValueError(f"the check of '{self.metric}' has max below min")
-        if self.for_ < 0:
-            raise ValueError("for_s must not be negative")
 
     @property
     def required_share(self) -> float | None:
@@ -411,19 +367,16 @@ class Departure:
     or the law of the autopilot about a line beside the leg ("offset").
     """
 
-    at: Annotated[float, "s"]
+    at: Annotated[float, "s", SINCE_BEGIN]
     flies: str
-    bank: Annotated[float | None, "rad"] = None  # + right
+    bank: Annotated[float | None, "rad", within(math.radians(60))] = None  # + right
     offset: Annotated[float | None, "m"] = None  # + right of the leg
 
     def __post_init__(self) -> None:
-        if not self.at >= 0.0:
-            raise ValueError("at must not be negative")
+        check_ranges(self)
         for name in ("bank", "offset"):
             if (getattr(self, name) is not None) != (self.flies == name):
                 raise ValueError(f'{name} belongs to flies = "{name}", and to nothing else')
-        if self.bank is not None and not abs(self.bank) <= math.radians(60):
-            raise ValueError("bank must be at most 60 degrees to either side")
 
 
 @dataclass(frozen=True)
@@ -434,31 +387,29 @@ class SensorFault:
     Of the entries of a sensor the last whose time has come counts; a factor of 1 ends the fault.
     """
 
-    at: Annotated[float, "s"]
+    at: Annotated[float, "s", SINCE_BEGIN]
     sensor: str
-    error_factor: float
+    error_factor: Annotated[float, Range(above=0.0, most=LARGEST_ERROR)]
 
     def __post_init__(self) -> None:
-        if not self.at >= 0.0:
-            raise ValueError("at must not be negative")
-        if not 0.0 < self.error_factor <= LARGEST_ERROR:
-            raise ValueError(f"error_factor must be above 0 and at most {LARGEST_ERROR:g}")
+        check_ranges(self)
 
 
 @dataclass(frozen=True)
 class StudyTable:
     """What a study varies, and how many samples it draws of what is distributed; without axes, of the air alone."""
 
-    axes: dict[str, Any] | None = None  # absent = nothing is varied: every sample is one more flight
-    samples: int = 1
+    axes: Annotated[dict[str, Any] | None, "not empty"] = (
+        None  # absent = nothing is varied: every sample is one more flight
+    )
+    samples: Annotated[int, Range(least=1)] = 1
     show: tuple[str, ...] = ()  # what the report draws; absent = figures of checks, or the usual ones, and of trackers
     theory: Literal["orbit", "energy", "gain", "limits"] | None = None  # what maps draw before they are flown
 
     def __post_init__(self) -> None:
+        check_ranges(self)
         if self.axes is not None and not self.axes:
             raise ValueError("axes are empty: a study varies at least one value, or has no axes and samples alone")
-        if self.samples < 1:
-            raise ValueError("samples must be at least 1")
         drawn = [one for one in self.varied if isinstance(one, Sampled)]
         if self.samples > 1 and self.axes and not drawn:
             raise ValueError("samples are drawn from distributions, and no axis is one; take 'samples' out")

@@ -89,9 +89,9 @@ def test_hot_air_takes_the_power_that_thin_air_takes():
 
 
 def test_air_that_nobody_measured_is_refused():
-    with pytest.raises(ValueError, match="within -90 and 60 C"):
+    with pytest.raises(ValueError, match="must be at least -90"):
         Air(0.0, 180.0)
-    with pytest.raises(ValueError, match="within 850 and 1090 hPa"):
+    with pytest.raises(ValueError, match="must be at least 85000"):
         Air(0.0, None, 70000.0)
     assert Air().density(0.0) == pytest.approx(STANDARD_DENSITY, rel=1e-12)
 

@@ -50,11 +50,11 @@ def test_movements_add():
 
 @pytest.mark.parametrize("wrong", [0.0, -1.0, 1.0, math.nan])
 def test_impossible_roughness_is_refused(wrong):
-    with pytest.raises(ValueError, match="roughness must be above 0"):
+    with pytest.raises(ValueError, match=r"roughness must be (above 0|at most 0.4572)"):
         LogarithmicProfile(wrong)
 
 
 @pytest.mark.parametrize("wrong", [0.0, -0.2, 1.5, math.nan])
 def test_impossible_exponent_is_refused(wrong):
-    with pytest.raises(ValueError, match="exponent must be above 0"):
+    with pytest.raises(ValueError, match=r"exponent must be (above 0|at most 1)"):
         PowerProfile(wrong)

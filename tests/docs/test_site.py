@@ -56,8 +56,11 @@ def test_the_gallery_shows_every_bundled_scenario_and_study():
 
 def test_the_scenario_reference_has_spellings_defaults_limits_and_whatever_else_a_schema_says():
     page = scenario_reference.reference(SCHEMA)
-    assert "| `height_m`<br><small>`height_ft`</small> | number; required; note: low | `7` | >= 5, <= 90 |" in page
-    assert "| `seed` | whole number | `1` | >= 0 |" in page
+    assert (
+        "| `height_m`<br><small>`height_ft`</small> | number; required; note: low | `7` | at least 5, at most 90 |"
+        in page
+    )
+    assert "| `seed` | whole number | `1` | at least 0 |" in page
 
 
 def test_the_scenario_reference_has_every_kind():

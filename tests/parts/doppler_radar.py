@@ -7,10 +7,11 @@ from typing import Annotated
 
 import numpy as np
 
+from aircraft.ranges import ABOVE_ZERO, check_ranges
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
-from sim.observation.antenna import Sampling, at_least_a_step, location, looks_until, place, polar, positive
-from sim.observation.sensor import Look
+from sim.observation.antenna import Sampling, location, looks_until, place, polar
+from sim.observation.sensor import PERIOD, Look
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
 
@@ -19,9 +20,9 @@ from sim.scenario.tables import Runway
 class DopplerRadar:
     """Range and range rate, seen all round from beside the runway; its fields are the keys of its table."""
 
-    period: Annotated[float, "s"] = 0.5
-    range_sigma: Annotated[float, "m"] = 30.0
-    range_rate_sigma: Annotated[float, "m/s"] = 0.5
+    period: Annotated[float, "s", PERIOD] = 0.5
+    range_sigma: Annotated[float, "m", ABOVE_ZERO] = 30.0
+    range_rate_sigma: Annotated[float, "m/s", ABOVE_ZERO] = 0.5
     position: Annotated[tuple[float, float, float], "m"] = (300.0, 200.0, 3.0)  # past the threshold, right, up
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)  # by the simulation, never by a file
 
@@ -29,8 +30,7 @@ class DopplerRadar:
     gives_place, clutter, zero_azimuth = False, 0.0, None  # a range is no place; no false plots; no azimuth
 
     def __post_init__(self) -> None:
-        at_least_a_step(self.period)
-        positive(self, "range_sigma", "range_rate_sigma")
+        check_ranges(self)
 
     @property
     def antenna(self) -> tuple[float, float, float]:  # from where the range is counted

@@ -200,7 +200,7 @@ RADAR = {"radar": {"kind": "surveillance_radar"}}
 
 @pytest.mark.parametrize("kind", [kind for kind in catalogue.kinds("sensors") if kind != "recorded"])  # has no period
 def test_sensors_faster_than_the_flight_are_refused(kind):
-    with pytest.raises(ScenarioError, match="must be at least 1/120 s") as caught:
+    with pytest.raises(ScenarioError, match="steps finer than 1/120 s") as caught:
         read({**LINE, "sensors": {"fast": {"kind": kind, "period_s": 0.008}}})
     assert str(caught.value).count("\n") == 0
 

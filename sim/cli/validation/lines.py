@@ -13,6 +13,7 @@ KEY = re.compile(
 )
 PART = re.compile(r"[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*'")
 TOLD = re.compile(r"\[{1,2}([^\]\s]+)\]{1,2}(?: entry (\d+))?:? ?(.*)", re.DOTALL)  # the place that a fault begins with
+QUOTED = re.compile(r"'([^']+)'")
 WORD = re.compile(r"'?([A-Za-z0-9_.-]+)'?")
 
 
@@ -24,9 +25,9 @@ def lines(text: str) -> dict[Place, int]:
     for number, line in _starts(text):
         header, key = HEADER.match(line), KEY.match(line)
         if key is not None:
-            found.setdefault((*table, *_parts(key[1])), number)
+            found.setdefault((*table, *parts(key[1])), number)
         elif header is not None:
-            table = _entries(_parts(header[2]), counts)
+            table = _entries(parts(header[2]), counts)
             if header[1] == "[[":
                 counts[table] = counts.get(table, -1) + 1
                 table = (*table, counts[table])
@@ -34,19 +35,31 @@ def lines(text: str) -> dict[Place, int]:
     return found
 
 
-def line_of(fault: str, found: dict[Place, int]) -> int | None:
-    """The line of a fault, which begins with its place: ``[table] entry N key``, or the key itself; None = unknown."""
+def line_of(fault: str, text: str, found: dict[Place, int] | None = None) -> int | None:
+    """The line of a fault, which begins with its place: ``[table] entry N key``, or the key itself; None = unknown.
+
+    ``found`` are the `lines` of the text, where they are known already.
+    """
+    found, rows = lines(text) if found is None else found, text.splitlines()
     told = TOLD.match(fault)
-    table, rest = ((), fault) if told is None else (_parts(told[1]), told[3])
+    table, rest = ((), fault) if told is None else (parts(told[1]), told[3])
     if told is not None and told[2] is not None:
         table = (*table, int(told[2]))
     elif told is not None and (entry := re.match(r"entry (\d+)", rest)):
         table = (*table, int(entry[1]))
     words = [word.strip(".") for word in WORD.findall(rest)]
     for word in words[:1] if told is None else words:
-        keys = [place for place in found if place[:-1] == table and _names(str(place[-1]), word)]
-        if keys:
-            return found[keys[0]]
+        keys = [place for place in found if place[:-1] == table and is_named(str(place[-1]), word)]
+        if keys:  # and in it, what is named in quotes, as an axis is
+            inner = [place for place in found if place[:-1] == keys[0] and is_quoted(str(place[-1]), rest)]
+            return found[(*inner, *keys)[0]]
+    inner = [place for place in found if table and place[:-2] == table and is_quoted(str(place[-1]), rest)]
+    if inner:
+        return found[inner[0]]
+    quoted = [f'"{value}"' for value in QUOTED.findall(rest)]
+    for place, number in found.items() if table else ():  # of a value
+        if place[:-1] == table and any(value in rows[number - 1] for value in quoted):
+            return number
     while table:
         if table in found:
             return found[table]
@@ -57,9 +70,14 @@ def line_of(fault: str, found: dict[Place, int]) -> int | None:
     return None
 
 
-def _names(key: str, word: str) -> bool:
+def is_named(key: str, word: str) -> bool:
     """Whether a word of a fault is a key, or what it sets whatever its unit."""
     return key == word or re.fullmatch(rf"(indicated_)?{re.escape(word)}_[a-z0-9]+(_per_[a-z]+)?", key) is not None
+
+
+def is_quoted(key: str, fault: str) -> bool:
+    """Whether a fault names a key in quotes."""
+    return f'"{key}"' in fault or f"'{key}'" in fault
 
 
 def _entries(parts: Place, counts: dict[Place, int]) -> Place:
@@ -72,7 +90,8 @@ def _entries(parts: Place, counts: dict[Place, int]) -> Place:
     return (*table, parts[-1]) if parts else table
 
 
-def _parts(dotted: str) -> Place:
+def parts(dotted: str) -> Place:
+    """The keys of a dotted address, of which some may be in quotes."""
     return tuple(part.strip("\"'") for part in PART.findall(dotted))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from aircraft.air import HIGHEST_QNH, LOWEST_QNH, Air
+from aircraft.air import QNH, Air
 from sim.flight.recording.phases import ESTABLISHED, GROUND
 from sim.flight.recording.smoothing import Path
 from sim.scenario.tables import Runway
@@ -32,7 +32,7 @@ def notes(path: Path, phase: np.ndarray, runway: Runway, air: Air) -> Iterator[s
     if abs(off) <= OFF_PATH:
         return
     fitting = air.qnh - off / PER_PASCAL
-    hint = f", which a QNH of {fitting / 100.0:.0f} hPa would mend" if LOWEST_QNH <= fitting <= HIGHEST_QNH else ""
+    hint = f", which a QNH of {fitting / 100.0:.0f} hPa would mend" if QNH.fault(fitting) is None else ""
     yield (
         f"it descends along the glide path, but {abs(off):.0f} m {'above' if off > 0.0 else 'below'} it: heights are "
         f"by a QNH of {air.qnh / 100.0:.0f} hPa and an elevation of {runway.elevation:.0f} m{hint}"

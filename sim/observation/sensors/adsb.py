@@ -9,11 +9,12 @@ from typing import Annotated, ClassVar, NamedTuple
 import numpy as np
 
 from aircraft.air import Air
+from aircraft.ranges import ABOVE_ZERO, NOT_NEGATIVE, Range, check_ranges
 from aircraft.state import AircraftState
 from aircraft.units import SUFFIXES
 from sim.flight.interpolation import state_at
-from sim.observation.antenna import at_least_a_step, looks_until, no_outline, positive, share
-from sim.observation.sensor import Look
+from sim.observation.antenna import looks_until, no_outline
+from sim.observation.sensor import PERIOD, Look
 from sim.observation.sensors.surveillance_radar import ALTIMETRY_SIGMA, STEPS
 from sim.randomness import Rows, Streams
 from sim.scenario.tables import Runway
@@ -33,6 +34,9 @@ class Receiver(NamedTuple):
     velocity: np.ndarray | None = None
 
 
+MISSED = Range(least=0.0, most=0.9, why="of what is left no track follows")
+
+
 @dataclass(frozen=True)
 class Adsb:
     """One row a second, as tables of recorded traffic have it.
@@ -47,14 +51,14 @@ class Adsb:
     Gaps of the receiver last ``gap_length`` on average and take a share of all rows.
     """
 
-    period: Annotated[float, "s"] = 1.0
-    stamp_sigma: Annotated[float, "s"] = 0.2
-    stale_share: float = 0.03  # of rows whose position and altitude are those of the row before
-    position_sigma: Annotated[float, "m"] = 2.0  # in each direction
-    velocity_sigma: Annotated[float, "m/s"] = 0.3  # in each direction
+    period: Annotated[float, "s", PERIOD] = 1.0
+    stamp_sigma: Annotated[float, "s", NOT_NEGATIVE] = 0.2
+    stale_share: Annotated[float, MISSED] = 0.03  # of rows whose position and altitude are those of the row before
+    position_sigma: Annotated[float, "m", ABOVE_ZERO] = 2.0  # in each direction
+    velocity_sigma: Annotated[float, "m/s", ABOVE_ZERO] = 0.3  # in each direction
     velocity_period: Annotated[float, "s"] = 2.5
-    gap_share: float = 0.02
-    gap_length: Annotated[float, "s"] = 8.0
+    gap_share: Annotated[float, MISSED] = 0.02
+    gap_length: Annotated[float, "s", ABOVE_ZERO] = 8.0
     altitude_step: Annotated[float, "m"] = STEPS[0]  # 25 ft, or 100
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
     air: Annotated[Air, "given"] = field(default_factory=Air)
@@ -70,13 +74,7 @@ class Adsb:
     outline = no_outline
 
     def __post_init__(self) -> None:
-        at_least_a_step(self.period)
-        positive(self, "position_sigma", "velocity_sigma", "gap_length")
-        share(self, "stale_share", "gap_share")
-        if not self.stamp_sigma >= 0.0:
-            raise ValueError("stamp_sigma must not be negative")
-        if max(self.stale_share, self.gap_share) > 0.9:
-            raise ValueError("stale_share and gap_share must be at most 0.9: of what is left no track follows")
+        check_ranges(self)
         if not self.velocity_period >= self.period:
             raise ValueError("velocity_period must be at least the period of the rows")
         if not any(math.isclose(self.altitude_step, step) for step in STEPS):

@@ -7,18 +7,17 @@ from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
+from aircraft.ranges import ABOVE_ZERO, NOT_NEGATIVE, check_ranges
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
 from sim.observation.antenna import (
     antenna_of,
-    at_least_a_step,
     looks_until,
     no_outline,
     place,
     polar,
-    positive,
 )
-from sim.observation.sensor import Look
+from sim.observation.sensor import PERIOD, Look
 from sim.randomness import Rows, Streams
 from sim.scenario.tables import Runway
 
@@ -35,9 +34,9 @@ class Interrogator(NamedTuple):
 class Dme:
     """Slant range with noise and, per draw, a constant bias."""
 
-    period: Annotated[float, "s"] = 0.1
-    sigma: Annotated[float, "m"] = 15.0
-    bias_sigma: Annotated[float, "m"] = 0.0
+    period: Annotated[float, "s", PERIOD] = 0.1
+    sigma: Annotated[float, "m", ABOVE_ZERO] = 15.0
+    bias_sigma: Annotated[float, "m", NOT_NEGATIVE] = 0.0
     position: Annotated[tuple[float, float, float], "m"] = (300.0, 120.0, 3.0)
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
@@ -49,10 +48,7 @@ class Dme:
     outline = no_outline  # it has no limits on the ground
 
     def __post_init__(self) -> None:
-        at_least_a_step(self.period)
-        positive(self, "sigma")
-        if self.bias_sigma < 0:
-            raise ValueError("bias_sigma must not be negative")
+        check_ranges(self)
 
     def truth(self, state: AircraftState) -> np.ndarray:
         """Noise-free channels, shape (1, ...)."""

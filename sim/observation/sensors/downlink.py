@@ -8,9 +8,10 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
+from aircraft.ranges import ABOVE_ZERO, NOT_NEGATIVE, check_ranges
 from aircraft.state import AircraftState
-from sim.observation.antenna import Sampling, at_least_a_step, looks_until, no_outline, not_negative, positive
-from sim.observation.sensor import Look
+from sim.observation.antenna import Sampling, looks_until, no_outline
+from sim.observation.sensor import PERIOD, Look
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
 from tracking.measurement import wrap
@@ -33,12 +34,12 @@ class Downlink:
     ``"ground"`` sends those of the ground track, the error that wind then brings.
     """
 
-    period: Annotated[float, "s"] = 0.25
-    latency: Annotated[float, "s"] = 0.0
-    load_factor_sigma: float = 0.01
-    bank_sigma: Annotated[float, "rad"] = math.radians(0.5)
-    path_sigma: Annotated[float, "rad"] = math.radians(0.3)
-    course_sigma: Annotated[float, "rad"] = math.radians(0.5)
+    period: Annotated[float, "s", PERIOD] = 0.25
+    latency: Annotated[float, "s", NOT_NEGATIVE] = 0.0
+    load_factor_sigma: Annotated[float, ABOVE_ZERO] = 0.01
+    bank_sigma: Annotated[float, "rad", ABOVE_ZERO] = math.radians(0.5)
+    path_sigma: Annotated[float, "rad", ABOVE_ZERO] = math.radians(0.3)
+    course_sigma: Annotated[float, "rad", ABOVE_ZERO] = math.radians(0.5)
     load_factor_bias: tuple[float, float, float] = (0.0, 0.0, 0.0)  # forward, right, up
     bank_bias: Annotated[float, "rad"] = 0.0
     course_bias: Annotated[float, "rad"] = 0.0
@@ -54,9 +55,7 @@ class Downlink:
     outline = no_outline  # it has no limits on the ground
 
     def __post_init__(self) -> None:
-        at_least_a_step(self.period)
-        positive(self, "load_factor_sigma", "bank_sigma", "path_sigma", "course_sigma")
-        not_negative(self, "latency")
+        check_ranges(self)
         if self.silent_until < self.silent_from:
             raise ValueError("silent_until must not lie before silent_from")
 

@@ -8,19 +8,18 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
+from aircraft.ranges import ABOVE_ZERO, check_ranges, within
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
 from sim.observation.antenna import (
     Sampling,
     antenna_of,
-    at_least_a_step,
     looks_until,
     place,
     polar,
-    positive,
     sector,
 )
-from sim.observation.sensor import Look
+from sim.observation.sensor import PERIOD, Look
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
 
@@ -38,13 +37,15 @@ class Localiser:
     the threshold.
     """
 
-    period: Annotated[float, "s"] = 0.2
-    sigma: Annotated[float, "rad"] = math.radians(0.1)
-    bias: Annotated[float, "rad"] = 0.0  # + measured too far to the right, seen from the antenna
-    course_offset: Annotated[float, "rad"] = 0.0  # of the course line from that of the runway
+    period: Annotated[float, "s", PERIOD] = 0.2
+    sigma: Annotated[float, "rad", ABOVE_ZERO] = math.radians(0.1)
+    # + measured too far to the right, seen from the antenna
+    bias: Annotated[float, "rad", within(math.radians(5.0), "beyond, nobody would fly it")] = 0.0
+    # of the course line from that of the runway
+    course_offset: Annotated[float, "rad", within(math.radians(45.0))] = 0.0
     position: Annotated[tuple[float, float, float], "m"] = (2800.0, 0.0, 3.0)  # past the threshold, right, up
-    sector: Annotated[float, "rad"] = math.radians(70.0)  # full width about the course line
-    coverage: Annotated[float, "m"] = 17 * 1852.0
+    sector: Annotated[float, "rad", ABOVE_ZERO] = math.radians(70.0)  # full width about the course line
+    coverage: Annotated[float, "m", ABOVE_ZERO] = 17 * 1852.0
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
     channels: ClassVar[tuple[str, ...]] = ("azimuth",)
@@ -53,12 +54,7 @@ class Localiser:
     antenna = property(antenna_of)
 
     def __post_init__(self) -> None:
-        at_least_a_step(self.period)
-        positive(self, "sigma", "sector", "coverage")
-        if not abs(self.course_offset) <= math.radians(45.0):
-            raise ValueError("course_offset must lie within 45 degrees of the runway")
-        if not abs(self.bias) <= math.radians(5.0):
-            raise ValueError("bias must lie within 5 degrees: beyond, nobody would fly it")
+        check_ranges(self)
 
     @property
     def zero_azimuth(self) -> float:

@@ -8,20 +8,18 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from aircraft.ranges import ABOVE_ZERO, SHARE, check_ranges
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
 from sim.observation.antenna import (
     FAR,
     antenna_of,
-    at_least_a_step,
     place,
     polar,
-    positive,
     sector,
-    share,
     zero_azimuth_of,
 )
-from sim.observation.sensor import Look
+from sim.observation.sensor import PERIOD, Look
 from sim.randomness import Rows, Streams
 from sim.scenario.tables import Runway
 from tracking.trackers.switching_noise import BeamNoise
@@ -48,16 +46,16 @@ class Mls:
     """
 
     angle: Literal["elevation", "azimuth"] = "elevation"
-    period: Annotated[float, "s"] = 1 / 40.5
-    sigma: Annotated[float, "rad"] = math.radians(0.06)
+    period: Annotated[float, "s", PERIOD] = 1 / 40.5
+    sigma: Annotated[float, "rad", ABOVE_ZERO] = math.radians(0.06)
     anomalies: Literal["none", "iid", "bursts", "bias_bursts", "dropouts"] = "none"
-    anomaly_share: float = 0.2
-    factor: float = 30.0
+    anomaly_share: Annotated[float, SHARE] = 0.2
+    factor: Annotated[float, ABOVE_ZERO] = 30.0
     burst_length: float = 40.0  # samples
     bias: Annotated[float, "rad"] = math.radians(0.3)
     position: Annotated[tuple[float, float, float], "m"] = (300.0, 120.0, 0.0)
     course: Annotated[float, "rad"] = math.pi
-    sector: Annotated[float, "rad"] = math.radians(80.0)  # full width about the course
+    sector: Annotated[float, "rad", ABOVE_ZERO] = math.radians(80.0)  # full width about the course
     beam: BeamNoise | None = None  # live accuracy by the signal-to-noise ratio, which a receiver knows; replaces sigma
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
@@ -67,9 +65,7 @@ class Mls:
     zero_azimuth = property(zero_azimuth_of)
 
     def __post_init__(self) -> None:
-        at_least_a_step(self.period)
-        positive(self, "sigma", "factor", "sector")
-        share(self, "anomaly_share")
+        check_ranges(self)
         least = self.anomaly_share / (1 - self.anomaly_share) if self.anomaly_share < 1 else math.inf
         if self.anomalies not in ("none", "iid") and not self.burst_length >= max(1.0, least):
             raise ValueError(

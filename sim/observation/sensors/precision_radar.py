@@ -9,21 +9,18 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from scipy.special import pdtr, pdtrik
 
+from aircraft.ranges import ABOVE_ZERO, NOT_NEGATIVE, SHARE, Range, check_ranges
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
 from sim.observation.antenna import (
     antenna_of,
-    at_least_a_step,
     looks_until,
-    not_negative,
     place,
     polar,
-    positive,
     sector,
-    share,
     zero_azimuth_of,
 )
-from sim.observation.sensor import Look
+from sim.observation.sensor import PERIOD, Look
 from sim.randomness import Rows, Streams
 from sim.scenario.tables import Runway
 
@@ -63,21 +60,24 @@ class PrecisionRadar:
     later than it was true a plot is known.
     """
 
-    period: Annotated[float, "s"] = 0.7
+    period: Annotated[float, "s", PERIOD] = 0.7
     accuracy: Literal["annex_10", "constant"] = "annex_10"
-    range_sigma: Annotated[float, "m"] = 30.0
-    azimuth_sigma: Annotated[float, "rad"] = math.radians(1.0)
-    elevation_sigma: Annotated[float, "rad"] = math.radians(0.5)
+    range_sigma: Annotated[float, "m", ABOVE_ZERO] = 30.0
+    azimuth_sigma: Annotated[float, "rad", ABOVE_ZERO] = math.radians(1.0)
+    elevation_sigma: Annotated[float, "rad", ABOVE_ZERO] = math.radians(0.5)
     position: Annotated[tuple[float, float, float], "m"] = (1200.0, 150.0, 3.0)
     course: Annotated[float, "rad"] = math.pi  # of the antenna's axis relative to the runway
-    sector: Annotated[float, "rad"] = math.radians(20.0)  # full width about the axis; 360 deg sees all round
-    coverage: Annotated[float, "m"] = 20_000.0
-    detection: float = 1.0  # probability that a plot is made
-    clutter: float = 0.0  # mean number of false plots inside 3 standard deviations of range and azimuth
+    sector: Annotated[float, "rad", ABOVE_ZERO] = math.radians(
+        20.0
+    )  # full width about the axis; 360 deg sees all round
+    coverage: Annotated[float, "m", ABOVE_ZERO] = 20_000.0
+    detection: Annotated[float, SHARE] = 1.0  # probability that a plot is made
+    # mean number of false plots inside 3 standard deviations of range and azimuth
+    clutter: Annotated[float, Range(least=0.0, most=MOST_CLUTTER)] = 0.0
     range_bias: Annotated[float, "m"] = 0.0
     azimuth_bias: Annotated[float, "rad"] = 0.0  # + measures too far to the right
     elevation_bias: Annotated[float, "rad"] = 0.0  # + measures too high
-    latency: Annotated[float, "s"] = 0.0
+    latency: Annotated[float, "s", NOT_NEGATIVE] = 0.0
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
     channels: ClassVar[tuple[str, ...]] = ("range", "azimuth", "elevation")
@@ -86,12 +86,7 @@ class PrecisionRadar:
     zero_azimuth = property(zero_azimuth_of)
 
     def __post_init__(self) -> None:
-        at_least_a_step(self.period)
-        positive(self, "range_sigma", "azimuth_sigma", "elevation_sigma", "sector", "coverage")
-        not_negative(self, "latency")
-        share(self, "detection")
-        if not 0.0 <= self.clutter <= MOST_CLUTTER:
-            raise ValueError(f"clutter must lie within 0 and {MOST_CLUTTER:g} false plots inside 3 standard deviations")
+        check_ranges(self)
 
     def sigmas(self, slant: Any, azimuth: Any, elevation: Any) -> np.ndarray:
         """Standard deviations (range m, azimuth rad, elevation rad) at a place, shape (3, ...)."""

@@ -7,10 +7,11 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
+from aircraft.ranges import ABOVE_ZERO, check_ranges
 from aircraft.state import AircraftState
 from sim.flight.interpolation import state_at
-from sim.observation.antenna import Sampling, at_least_a_step, looks_until, no_outline, positive
-from sim.observation.sensor import Look
+from sim.observation.antenna import Sampling, looks_until, no_outline
+from sim.observation.sensor import PERIOD, Look
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
 
@@ -19,9 +20,9 @@ from sim.scenario.tables import Runway
 class RadioAltimeter:
     """Height above level ground at the threshold's elevation; silent above ``coverage``."""
 
-    period: Annotated[float, "s"] = 0.05
-    sigma: Annotated[float, "m"] = 0.5
-    coverage: Annotated[float, "m"] = 750.0
+    period: Annotated[float, "s", PERIOD] = 0.05
+    sigma: Annotated[float, "m", ABOVE_ZERO] = 0.5
+    coverage: Annotated[float, "m", ABOVE_ZERO] = 750.0
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
 
     channels: ClassVar[tuple[str, ...]] = ("height",)
@@ -32,8 +33,7 @@ class RadioAltimeter:
     outline = no_outline  # it has no limits on the ground
 
     def __post_init__(self) -> None:
-        at_least_a_step(self.period)
-        positive(self, "sigma", "coverage")
+        check_ranges(self)
 
     def truth(self, state: AircraftState) -> np.ndarray:
         """Noise-free channels, shape (1, ...)."""

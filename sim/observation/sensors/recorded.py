@@ -13,6 +13,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 import numpy as np
 
 from aircraft.air import STANDARD_PRESSURE, Air
+from aircraft.ranges import ABOVE_ZERO, check_ranges
 from aircraft.runway import Runway as Place
 from aircraft.state import AircraftState
 from sim.files import read_bytes
@@ -21,7 +22,7 @@ from sim.interchange.asterix import plots as asterix_plots
 from sim.interchange.asterix.reading import is_asterix
 from sim.interchange.plots import Plots, read_parquet_plots, read_plots
 from sim.interchange.tables import PARQUET
-from sim.observation.antenna import location, no_outline, place, polar, positive
+from sim.observation.antenna import location, no_outline, place, polar
 from sim.observation.sensor import Look, Recording
 from sim.randomness import Streams
 from sim.scenario.tables import Runway
@@ -57,10 +58,10 @@ class Recorded:
     source: str | None = None  # "SAC/SIC" of the radar whose plots, where a file of ASTERIX has several
     position: Annotated[tuple[float, float, float] | None, "m"] = None  # antenna: past the threshold, right, up
     azimuth_zero: Annotated[float, "rad"] = 0.0
-    range_sigma: Annotated[float | None, "m"] = None  # absent = the file has a column of it; so the others
-    azimuth_sigma: Annotated[float | None, "rad"] = None
-    height_sigma: Annotated[float | None, "m"] = None
-    position_sigma: Annotated[float | None, "m"] = None  # of latitude and longitude, north and east alike
+    range_sigma: Annotated[float | None, "m", ABOVE_ZERO] = None  # absent = the file has a column of it; so the others
+    azimuth_sigma: Annotated[float | None, "rad", ABOVE_ZERO] = None
+    height_sigma: Annotated[float | None, "m", ABOVE_ZERO] = None
+    position_sigma: Annotated[float | None, "m", ABOVE_ZERO] = None  # of latitude and longitude, north and east alike
     utc: Annotated[float | None, "given"] = None  # s since 1970 at the flight's time 0; None = at no date
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
     air: Annotated[Air, "given"] = field(default_factory=Air)
@@ -73,7 +74,7 @@ class Recorded:
     }  # fmt: skip
 
     def __post_init__(self) -> None:
-        positive(self, *(f"{name}_sigma" for name in SIGMAS))
+        check_ranges(self)
         found = hashlib.sha256(_content(self.file)).hexdigest()
         if self.sha256 not in (None, found):
             raise ValueError(

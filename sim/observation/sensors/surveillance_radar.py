@@ -9,24 +9,21 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 
 from aircraft.air import Air
+from aircraft.ranges import ABOVE_ZERO, NOT_NEGATIVE, SHARE, Range, check_ranges
 from aircraft.state import AircraftState
 from aircraft.units import SUFFIXES
 from sim.flight.interpolation import state_at
 from sim.observation.antenna import (
     antenna_of,
-    at_least_a_step,
     beam_passes,
     looks_until,
-    not_negative,
     place,
     polar,
-    positive,
     quantised,
     sector,
-    share,
     zero_azimuth_of,
 )
-from sim.observation.sensor import Look
+from sim.observation.sensor import PERIOD, Look
 from sim.randomness import Rows, Streams
 from sim.scenario.tables import Runway
 
@@ -52,6 +49,9 @@ class Turning(NamedTuple):
     begun: float  # s, when the beam pointed at zero azimuth
 
 
+CONE = Range(least=0.0, below=math.pi / 2, why="beyond, it would see nothing above its horizon")
+
+
 @dataclass(frozen=True)
 class SurveillanceRadar:
     """Slant range and azimuth, or position with the same accuracy along both axes where the papers assume that.
@@ -69,24 +69,24 @@ class SurveillanceRadar:
     antenna, is not seen; ``latency`` later than it was true a plot is known.
     """
 
-    period: Annotated[float, "s"] = 4.0
-    range_sigma: Annotated[float, "m"] = 60.0
-    azimuth_sigma: Annotated[float, "rad"] = math.radians(0.15)
-    position_sigma: Annotated[float | None, "m"] = None
+    period: Annotated[float, "s", PERIOD] = 4.0
+    range_sigma: Annotated[float, "m", ABOVE_ZERO] = 60.0
+    azimuth_sigma: Annotated[float, "rad", ABOVE_ZERO] = math.radians(0.15)
+    position_sigma: Annotated[float | None, "m", ABOVE_ZERO] = None
     position: Annotated[tuple[float, float, float], "m"] = (0.0, 2000.0, 10.0)  # past threshold, right, up
     course: Annotated[float, "rad"] = 0.0  # of zero azimuth, relative to the runway
     height: Literal["none", "mode_c"] = "none"  # what of the height is measured
     height_step: Annotated[float, "m"] = STEPS[0]  # 25 ft, which the Mode S transponders of transports answer, or 100
-    detection: float = 1.0  # probability that a plot is made
+    detection: Annotated[float, SHARE] = 1.0  # probability that a plot is made
     range_bias: Annotated[float, "m"] = 0.0
     azimuth_bias: Annotated[float, "rad"] = 0.0  # + measures too far to the right
     north_error: Annotated[float, "rad"] = 0.0  # of its zero mark, + to the right
-    range_step: Annotated[float, "m"] = 0.0  # 0 = none
-    azimuth_step: Annotated[float, "rad"] = 0.0  # of 4096 azimuth counts: 0.088 deg
+    range_step: Annotated[float, "m", NOT_NEGATIVE] = 0.0  # 0 = none
+    azimuth_step: Annotated[float, "rad", NOT_NEGATIVE] = 0.0  # of 4096 azimuth counts: 0.088 deg
     rotating: bool = False  # the beam meets the aircraft where it is, not at multiples of the period
-    coverage: Annotated[float | None, "m"] = None  # slant; absent = as far as there is something to see
-    cone_of_silence: Annotated[float, "rad"] = 0.0  # half angle about the vertical
-    latency: Annotated[float, "s"] = 0.0
+    coverage: Annotated[float | None, "m", ABOVE_ZERO] = None  # slant; absent = as far as there is something to see
+    cone_of_silence: Annotated[float, "rad", CONE] = 0.0  # half angle about the vertical
+    latency: Annotated[float, "s", NOT_NEGATIVE] = 0.0
     runway: Annotated[Runway, "given"] = field(default_factory=Runway)
     air: Annotated[Air, "given"] = field(default_factory=Air)
 
@@ -96,12 +96,7 @@ class SurveillanceRadar:
     zero_azimuth = property(zero_azimuth_of)
 
     def __post_init__(self) -> None:
-        at_least_a_step(self.period)
-        positive(self, "range_sigma", "azimuth_sigma", "position_sigma", "coverage")
-        not_negative(self, "range_step", "azimuth_step", "cone_of_silence", "latency")
-        share(self, "detection")
-        if not self.cone_of_silence < math.pi / 2:
-            raise ValueError("cone_of_silence must be below 90 deg: beyond, it would see nothing above its horizon")
+        check_ranges(self)
         polar_errors = [name for name in POLAR_ERRORS if getattr(self, name) != 0.0]
         if self.position_sigma is not None and polar_errors:
             raise ValueError(

@@ -6,7 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from sim.scenario.tables import FARTHEST, _within
+from aircraft.ranges import Range, check_ranges, within
+from sim.scenario.tables import FARTHEST
+
+BEND = Range(least=0.0, most=math.radians(2.0))
 
 
 @dataclass(frozen=True)
@@ -24,19 +27,17 @@ class NavigationErrors:
     I, 3.1.3.4, from memory]; how long bends are is not laid down.
     """
 
-    localiser_bend: Annotated[float, "rad"] = 0.0  # standard deviation
-    localiser_bias: Annotated[float, "rad"] = 0.0  # of the course line, + to the right of an approach
-    glide_path_bend: Annotated[float, "rad"] = 0.0  # standard deviation
-    bend_length: Annotated[float, "m"] = 1000.0  # of correlation
-    smoothing: Annotated[float, "s"] = 10.0  # time constant of the complementary filter
-    wind: Annotated[float, "m/s"] = 0.0  # standard deviation of what is wrong with wind, or drift, across at first
+    localiser_bend: Annotated[float, "rad", BEND] = 0.0  # standard deviation
+    # of the course line, + to the right of an approach
+    localiser_bias: Annotated[float, "rad", within(math.radians(5.0))] = 0.0
+    glide_path_bend: Annotated[float, "rad", BEND] = 0.0  # standard deviation
+    bend_length: Annotated[float, "m", Range(least=1.0, most=FARTHEST)] = 1000.0  # of correlation
+    smoothing: Annotated[float, "s", Range(least=0.5, most=600.0)] = 10.0  # time constant of the complementary filter
+    # standard deviation of what is wrong with wind, or drift, across at first
+    wind: Annotated[float, "m/s", Range(least=0.0, most=50.0)] = 0.0
     motion: Literal["air", "inertial"] = "air"
-    localiser_past: Annotated[float, "m"] = 2800.0  # of the antenna, past the threshold
+    # of the antenna, past the threshold
+    localiser_past: Annotated[float, "m", Range(least=0.0, most=20_000.0)] = 2800.0
 
     def __post_init__(self) -> None:
-        _within(self, 0.0, math.radians(2.0), "radians (2 degrees)", "localiser_bend", "glide_path_bend")
-        _within(self, -math.radians(5.0), math.radians(5.0), "radians (5 degrees)", "localiser_bias")
-        _within(self, 1.0, FARTHEST, "m", "bend_length")
-        _within(self, 0.5, 600.0, "s", "smoothing")
-        _within(self, 0.0, 50.0, "m/s", "wind")
-        _within(self, 0.0, 20_000.0, "m", "localiser_past")
+        check_ranges(self)

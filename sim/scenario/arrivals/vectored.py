@@ -7,10 +7,12 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
-from sim.scenario.tables import FARTHEST, FASTEST, HIGHEST_FLIGHT, _within
+from aircraft.ranges import Range, check_ranges, within
+from sim.scenario.tables import AIRSPEED, DECELERATION, FARTHEST, HEIGHT, LENGTH
 
 LONGEST_VECTOR = 900.0  # s
-LATEST = 120.0  # s
+HELD = Range(above=0.0, most=LONGEST_VECTOR)
+DISTANCE = Range(least=0.0, most=FARTHEST)
 MOST = 20  # vectors, and speeds of a schedule
 
 
@@ -18,24 +20,23 @@ MOST = 20  # vectors, and speeds of a schedule
 class VectorTable:
     """A heading that is held before the last one; with no time it is left out."""
 
-    angle: Annotated[float, "rad"]  # of its course to that of the final, + towards the line: 90 is a base leg
-    for_: Annotated[float, "s"]  # until the next heading is given
+    # of its course to that of the final, + towards the line: 90 is a base leg
+    angle: Annotated[float, "rad", within(math.pi)]
+    for_: Annotated[float, "s", Range(least=0.0, most=LONGEST_VECTOR)]  # until the next heading is given
 
     def __post_init__(self) -> None:
-        _within(self, -math.pi, math.pi, "radians (180 degrees)", "angle")
-        _within(self, 0.0, LONGEST_VECTOR, "s", "for_")
+        check_ranges(self)
 
 
 @dataclass(frozen=True)
 class SpeedTable:
     """An airspeed of the schedule, from a distance to the aiming point on."""
 
-    distance: Annotated[float, "m"]
-    speed: Annotated[float, "m/s", "indicated"]  # true airspeed
+    distance: Annotated[float, "m", DISTANCE]
+    speed: Annotated[float, "m/s", "indicated", AIRSPEED]  # true airspeed
 
     def __post_init__(self) -> None:
-        _within(self, 0.0, FARTHEST, "m", "distance")
-        _within(self, 1.0, FASTEST, "m/s", "speed")
+        check_ranges(self)
 
 
 @dataclass(frozen=True)
@@ -48,37 +49,27 @@ class VectoredTable:
     """
 
     side: Literal["left", "right"] = "left"  # of the final course from which it comes; it turns that way, as a pattern
-    height: Annotated[float, "m"] = 900.0
-    intercept_angle: Annotated[float, "rad"] = math.radians(35.0)  # below 0 it comes from the other side
-    intercept_distance: Annotated[float | None, "m"] = None
-    level: Annotated[float, "m"] = 8000.0
-    last_vector: Annotated[float, "s"] = 60.0  # from the last heading given to the extended centreline
-    straight: Annotated[float | None, "s"] = None  # instead of it: from the end of the turn to that heading
-    arm_late: Annotated[float, "s"] = 0.0  # after the law would have turned in
-    speed: Annotated[float, "m/s", "indicated"] = 72.0  # this and the next are true airspeeds
-    approach_speed: Annotated[float, "m/s", "indicated"] = 58.0
-    deceleration: Annotated[float, "m/s2"] = 0.5
-    glide_deceleration: Annotated[float | None, "m/s2"] = None  # on the glide path; absent = the same
+    height: Annotated[float, "m", HEIGHT] = 900.0
+    # below 0 it comes from the other side
+    intercept_angle: Annotated[float, "rad", Range(above=-math.pi, below=math.pi)] = math.radians(35.0)
+    intercept_distance: Annotated[float | None, "m", LENGTH] = None
+    level: Annotated[float, "m", DISTANCE] = 8000.0
+    last_vector: Annotated[float, "s", HELD] = 60.0  # from the last heading given to the extended centreline
+    straight: Annotated[float | None, "s", HELD] = None  # instead of it: from the end of the turn to that heading
+    arm_late: Annotated[float, "s", Range(least=0.0, most=120.0)] = 0.0  # after the law would have turned in
+    speed: Annotated[float, "m/s", "indicated", AIRSPEED] = 72.0  # this and the next are true airspeeds
+    approach_speed: Annotated[float, "m/s", "indicated", AIRSPEED] = 58.0
+    deceleration: Annotated[float, "m/s2", DECELERATION] = 0.5
+    glide_deceleration: Annotated[float | None, "m/s2", DECELERATION] = None  # on the glide path; absent = the same
     vectors: tuple[VectorTable, ...] = ()  # before the last one
     speeds: tuple[SpeedTable, ...] = ()  # schedule, by falling distance
 
     final: ClassVar[int | None] = 0  # the leg that ends on the runway
 
     def __post_init__(self) -> None:
-        times = "last_vector", "straight"
-        for name in ("height", "speed", "approach_speed", "deceleration", "glide_deceleration", *times):
-            if getattr(self, name) is not None and getattr(self, name) <= 0:
-                raise ValueError(f"{name} must be above 0")
-        if not 0.0 < abs(self.intercept_angle) < math.pi:
-            raise ValueError("intercept_angle must lie between 0 and 180 degrees, to either side, and not be 0")
-        if self.intercept_distance is not None and self.intercept_distance <= 0:
-            raise ValueError("intercept_distance must be above 0")
-        _within(self, 0.0, HIGHEST_FLIGHT, "m", "height")
-        _within(self, 0.0, FARTHEST, "m", "intercept_distance", "level")
-        _within(self, 1.0, FASTEST, "m/s", "speed", "approach_speed")
-        _within(self, 0.0, 100.0, "m/s2", "deceleration", "glide_deceleration")
-        _within(self, 0.0, LONGEST_VECTOR, "s", *times)
-        _within(self, 0.0, LATEST, "s", "arm_late")
+        check_ranges(self)
+        if self.intercept_angle == 0.0:
+            raise ValueError("intercept_angle must not be 0: it says from which side the line is met, and how steeply")
         for several in ("vectors", "speeds"):
             if len(getattr(self, several)) > MOST:
                 raise ValueError(f"{several}: {len(getattr(self, several))} are more than the {MOST} of one approach")

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, Field
 
 from sim.scenario import catalogue as bundled
+from sim.scenario.axes import DISTRIBUTIONS, LARGEST_GRID, LARGEST_NUMBER
 from sim.scenario.plugins import BUNDLED, Catalogue
 from sim.scenario.schema import MODELS, MOST_NAMES, NAME, RESERVED, ROUTES, file_model, route_model, wind_model
 
@@ -47,7 +48,25 @@ def schema(catalogue: Catalogue = BUNDLED) -> dict[str, Any]:
         "trackers": named("trackers"),
     }
     found: dict[str, Any] = file_model(**parts).model_json_schema()
-    return {"$schema": DIALECT, **_plain(found, found["$defs"])}
+    found["required"] = [key for key in found["required"] if key != "name"]  # what has none is called as its file is
+    plain = {"$schema": DIALECT, **_plain(found, found["$defs"])}
+    plain["$defs"]["StudyTable"]["properties"]["axes"]["additionalProperties"] = _axis()
+    return plain
+
+
+def _axis() -> dict[str, Any]:
+    """What an axis of a study may be: a list of values, or one form of values that are counted or drawn."""
+    number = {"type": "number", "minimum": -LARGEST_NUMBER, "maximum": LARGEST_NUMBER}
+
+    def numbers(least: int, most: int) -> dict[str, Any]:
+        return {"type": "array", "items": number, "minItems": least, "maxItems": most}
+
+    forms = {kind: numbers(2, 2) for kind in DISTRIBUTIONS}
+    count = {"type": "integer", "minimum": 1, "maximum": LARGEST_GRID}
+    forms |= {"grid": {**numbers(3, 3), "prefixItems": [number, number, count]}, "normal": numbers(2, 4)}
+    forms["quantiles"] = {"type": "array", "items": numbers(2, 2), "minItems": 2}
+    one = {"minProperties": 1, "maxProperties": 1, "additionalProperties": False, "properties": forms}
+    return {"if": {"type": "array"}, "then": {"minItems": 1}, "else": {"type": "object", **one}}
 
 
 def _plain(node: Any, definitions: dict[str, Any]) -> Any:

@@ -46,7 +46,9 @@ def side_of(what: Any) -> Side:
     try:
         metrics = json.loads(read_bytes(folder / METRICS))
     except FileNotFoundError:
-        raise OutputError(f"{folder}: has no {METRICS}; a study that was interrupted goes on with 'resume'") from None
+        raise OutputError(
+            f"{folder}: half written, {METRICS} missing; run the scenario again, or go on with a study by 'resume'"
+        ) from None
     except DAMAGED:
         raise OutputError(f"{folder}: its {METRICS} is damaged") from None
     try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from aircraft.ranges import shown
 from sim.scenario import catalogue, tables
 from sim.scenario.arrivals import navigation, vectored
 from sim.scenario.editors.json_schema import schema
@@ -23,7 +24,12 @@ aircraft, unless it is *required*.
 FAMILIES = {"autopilot": "modes", "sensors": "sensors", "trackers": "trackers", "events": "wind_events"}
 DESCRIBED = (tables, navigation, vectored, record)
 HUGE = 1e3  # a limit of this size on both sides only keeps out what nothing real has
-LIMITS = (("minimum", ">= "), ("exclusiveMinimum", "> "), ("maximum", "<= "), ("exclusiveMaximum", "< "))
+LIMITS = (
+    ("exclusiveMinimum", "above "),
+    ("minimum", "at least "),
+    ("exclusiveMaximum", "below "),
+    ("maximum", "at most "),
+)
 TYPES = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 
 LISTS = {"number": "list of numbers", "integer": "list of whole numbers", "string": "list of names"}
@@ -108,13 +114,14 @@ def _table(root: Schema, properties: Schema, required: list[str]) -> str:
         first, value = keys[0], properties[keys[0]]
         also = " ".join(f"`{key}`" for key in keys[1:])
         small = f"<br><small>{also}</small>" if also else ""
-        words = value.get("description", "")
-        default = f"`{words.removeprefix('default ')}`" if words.startswith("default ") else _default(value)
+        words = value.get("description", "").split("; ")
+        default = next((f"`{one.removeprefix('default ')}`" for one in words if one.startswith("default ")), "")
+        limit = next((one for one in words if one.startswith(tuple(sign for _, sign in LIMITS))), "")
         note = "required" if first in required else ""
-        told = "" if words.startswith("default ") else words
-        notes = "; ".join(filter(None, (note, told, _extra(value))))
+        told = (one for one in words if one != limit and not one.startswith("default "))
+        notes = "; ".join(filter(None, (note, *told, _extra(value))))
         takes = "; ".join(filter(None, (_takes(root, first, value), notes)))
-        cells = [f"`{first}`{small}", takes, default, _limit(value)]
+        cells = [f"`{first}`{small}", takes, default or _default(value), limit or _limit(value)]
         rows.append("| " + " | ".join(cell.replace("|", "/").replace("\n", " ") for cell in cells) + " |\n")
     return "".join(rows)
 
@@ -155,7 +162,7 @@ def _limit(value: Schema) -> str:
         low, high = one.get("minimum"), one.get("maximum")
         if low is not None and high is not None and low == -high and high >= HUGE:
             continue
-        found += [f"{sign}{one[name]:g}" for name, sign in LIMITS if name in one]
+        found += [f"{sign}{shown(one[name])}" for name, sign in LIMITS if name in one]
         if "pattern" in one:
             found.append(f"`{one['pattern']}`")
     return ", ".join(found)

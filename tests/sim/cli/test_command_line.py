@@ -6,9 +6,11 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+from jsonschema import Draft202012Validator
 
 import sim
 from sim.experiment import run_to_folder
@@ -142,7 +144,7 @@ def test_trackers_can_be_taken_out(command, scenario, tmp_path):
         (("wind.speed_mps=nan",), "must be a finite number"),
         (("wind.speed_furlong=3",), "no such key"),
         (("aircraft.model=an62",), "did you mean"),
-        (("aircraft.mass_kg=-5",), "mass must be above 0"),
+        (("aircraft.mass_kg=-5",), "mass_kg: must be above 0"),
         (("start.height_m=-10",), "a flight starts above the ground"),
         (("autopilot.law.k1_deg_per_m=0.5", "autopilot.law.cross_track_limit_m=9000"), "orbit"),
         (("aircraft.model=an26", "route.legs.0.speed_mps=30"), "cannot be trimmed at"),
@@ -183,9 +185,17 @@ def test_a_foreign_folder_is_left_alone(command, scenario, tmp_path):
 def test_new_writes_a_scenario_that_is_valid(command, tmp_path):
     done = command("new", "mine.toml")
     assert done.returncode == 0, done.stderr
-    assert 'name = "mine"' in (tmp_path / "mine.toml").read_text()
+    text = (tmp_path / "mine.toml").read_text()
+    assert 'name = "mine"' in text
+    assert text.startswith("#:schema ./scenario.schema.json\n")
+    schema = (tmp_path / "scenario.schema.json").read_text()
+    assert schema == command("schema").stdout
+    assert Draft202012Validator(json.loads(schema)).is_valid(tomllib.loads(text))
     assert command("validate", "mine.toml").returncode == 0
     assert "exists already" in command("new", "mine.toml").stderr
+    (tmp_path / "scenario.schema.json").write_text("mine")
+    assert "scenario.schema.json is there already, and kept" in command("new", "other.toml").stdout
+    assert (tmp_path / "scenario.schema.json").read_text() == "mine"
 
 
 def test_version_and_quiet(command):

@@ -8,6 +8,7 @@ import pytest
 from sim.cli.validation import faults
 from sim.cli.validation.lines import line_of, lines
 from sim.scenario.plugins import catalogue_with
+from tests.sim.cli.faulty_files import FILES
 
 ALL_LAYERS = """name = "mine"
 speed_kt = 5
@@ -46,8 +47,8 @@ TOLD = {  # line -> what is said of it
     2: r"speed_kt: no such key; .*wind\.speed_kt",
     3: "not TOML",
     7: r"mass .* must lie within 35270 and 52910 lb.* \(got mass_lb = 20000\)",
-    9: r"\[start\] speed must be above 0 \(got speed_mps = -3\)",
-    11: r"\[wind\] speed must lie within 0 and 194\.4 kt \(got speed_kt = 400\)",  # 100 m/s
+    9: r"\[start\] speed_mps: must be above 0 \(got -3\)",
+    11: r"\[wind\] speed_kt: must be at most 194\.384 \(got 400\)",  # 100 m/s
     15: "no kind 'immm'; did you mean 'imm'",
     18: "no sensor 'radra'; did you mean 'radar'",
     23: "no tracker 'c'",
@@ -69,6 +70,28 @@ def test_faults_of_all_layers_each_with_its_line(tmp_path):
         assert re.search(words, fault), fault
 
 
+@pytest.mark.parametrize("name", FILES)
+def test_each_of_five_faults_is_told_with_its_line(tmp_path, name):
+    """Written by hand, of each layer some; what is said was read by people before it came here."""
+    content, wanted = FILES[name]
+    file = tmp_path / "mine.toml"
+    file.write_text(content)
+    found = [fault.removeprefix(f"{file}:") for fault in told(file)]
+    assert len(wanted) >= 5
+    assert [fault[: len(f"{line}: {words}")] for fault, (line, words) in zip(found, wanted, strict=True)] == [
+        f"{line}: {words}" for line, words in wanted
+    ]
+
+
+def test_values_of_the_command_line_are_told_too():
+    verdict = faults.validate("an26_pattern", {"wind.speed_kt": 400, "start.height_m": -1}, catalogue_with(()))
+    assert sorted(verdict.faults, reverse=True) == [
+        "an26_pattern.toml: --set wind.speed_kt: must be at most 194.384 (got 400)",
+        "an26_pattern.toml: --set start.height_m: must be above 0: a flight starts above the ground, and below 30 km "
+        "(got -1)",
+    ]
+
+
 def test_a_file_that_is_good_has_no_fault_and_standard_input_is_a_file(tmp_path, monkeypatch):
     good = 'name = "mine"\n[sensors.radar]\nkind = "surveillance_radar"\nperiod_s = 4\n'
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(good.encode())))
@@ -82,7 +105,8 @@ def test_a_file_that_is_good_has_no_fault_and_standard_input_is_a_file(tmp_path,
     ("content", "said"),
     [
         ("", "says nothing"),
-        ("[wind\nspeed_kt = 5\n", r":1: not TOML"),  # what follows a broken header is nobody's: no more is said
+        ("[wind\nspeed_kt = 5\n", r":1: not TOML"),  # of a header that is clear
+        ("[wind.\nspeed = 5\n", r":1: not TOML"),  # what follows one that is not is nobody's: no more is said
         ("sensors = [\n", "not TOML"),
         ('name = "a"\nname = "a"\n', r":2: not TOML"),
     ],
@@ -115,6 +139,6 @@ def test_lines_of_keys_however_they_are_written():
         ("o", "p"): 18,
         ("o", "p", "q"): 19,
     }
-    assert line_of("[[k]] entry 1 l: is wrong", found) == 15
-    assert line_of("[o.p.q] r: is wrong", found) == 19  # of what has no line of its own, that of its table
-    assert line_of("[nowhere] s: is wrong", found) is None
+    assert line_of("[[k]] entry 1 l: is wrong", text) == 15
+    assert line_of("[o.p.q] r: is wrong", text) == 19  # of what has no line of its own, that of its table
+    assert line_of("[nowhere] s: is wrong", text) is None

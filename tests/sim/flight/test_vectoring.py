@@ -176,18 +176,18 @@ def test_explain_tells_the_vectors_and_what_errs():
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"route.intercept_angle_deg": 0}, "intercept_angle must lie between 0 and 180 degrees"),
+        ({"route.intercept_angle_deg": 0}, "intercept_angle must not be 0"),
         ({"route.speeds": [{"distance_m": 20000, "speed_mps": 90}]}, "must not rise towards the runway"),
         (
             {"route.speeds": [{"distance_m": d, "speed_mps": 65} for d in (9000, 20000)]},
             "the distances of the schedule must fall",
         ),
         ({"route.speeds": [{"distance_m": 20000, "speed_mps": 40}]}, "raise 'speed' and its schedule"),
-        ({"route.vectors": [{"angle_deg": 200, "for_s": 5}]}, "angle must lie within"),
+        ({"route.vectors": [{"angle_deg": 200, "for_s": 5}]}, "angle_deg: must be at most 180"),
         ({"route.vectors": [{"angle_deg": 90, "for_s": 5}] * 21}, "vectors: 21 are more than the 20"),
         ({"autopilot.law": {"k1_deg_per_m": 0.05, "k2_deg_per_mps": 0.9}}, "'damping' sets k2"),
         ({"start.phase": "final"}, "'phase' belongs to a pattern"),
-        ({"navigation_errors": {"smoothing_s": 0}}, r"\[navigation_errors\] smoothing must lie within"),
+        ({"navigation_errors": {"smoothing_s": 0}}, r"\[navigation_errors\] smoothing_s: must be at least 0.5"),
     ],
 )
 def test_what_cannot_be_vectored_is_said(changes, told):

@@ -176,10 +176,10 @@ def test_explain_tells_what_trackers_are_not_told():
 @pytest.mark.parametrize(
     ("departure", "said"),
     [
-        ({"at_s": -1.0, "flies": "beacon"}, r"\[\[departures\]\] entry 0 at must not be negative"),
+        ({"at_s": -1.0, "flies": "beacon"}, r"\[\[departures\]\] entry 0 at_s: must be at least 0"),
         ({"at_s": 1.0, "flies": "bank"}, 'bank belongs to flies = "bank"'),
         ({"at_s": 1.0, "flies": "beacon", "bank_deg": 3.0}, 'bank belongs to flies = "bank"'),
-        ({"at_s": 1.0, "flies": "bank", "bank_deg": 75.0}, "at most 60 degrees"),
+        ({"at_s": 1.0, "flies": "bank", "bank_deg": 75.0}, "bank_deg: must be at (least -60|most 60)"),
         ({"at_s": 1.0, "flies": "home"}, "flies"),
         ({"at_s": 1.0, "flies": "offset", "offset_m": float("nan")}, "offset"),
     ],

@@ -19,7 +19,7 @@ from autopilot.route import Leg, Route
 from sim.cli.export import export
 from sim.flight.outcomes import STOPPED
 from sim.metrics import signals, table
-from sim.metrics.checks import unknown_names, with_examples
+from sim.metrics.checks import unknown_names, with_names
 from sim.metrics.ensemble.spread import summary
 from sim.metrics.figures import Context, Navigation
 from sim.metrics.flight import figure, flight_metrics, navigated_figures
@@ -138,7 +138,7 @@ def test_one_row_more_is_in_run_checks_study_report_and_export(monkeypatch, tmp_
         sim.read({**PATTERN, "checks": [{"metric": row.name, "min": 1.0}]})
     monkeypatch.setattr(table, "METRICS", (*table.METRICS, row._replace(headline=True)))
 
-    parts = with_examples(schema())["$defs"]
+    parts = with_names(schema())["$defs"]
     assert row.name in parts["Check"]["properties"]["metric"]["examples"]
     result = sim.run({**PATTERN, "checks": [{"metric": row.name, "min": 1.0}]}, flights=2)
     value = result.metrics["flight"][row.name]

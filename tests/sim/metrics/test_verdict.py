@@ -121,8 +121,8 @@ def test_every_cell_of_a_study_must_show_the_share():
         ({"probability_max": 0.01}, "has a probability_max and no confidence"),
         ({"confidence": 0.9}, "has a confidence and no share"),
         ({"share": 0.9, "probability_max": 0.1, "confidence": 0.9}, "has 'share' and 'probability_max': say one"),
-        ({"share": 1.0, "confidence": 0.9}, "needs a share above 0 and below 1, not 1"),
-        ({"share": 0.9, "confidence": 90.0}, "needs a confidence above 0 and below 1, not 90"),
+        ({"share": 1.0, "confidence": 0.9}, "share: must be below 1 (got 1.0)"),
+        ({"share": 0.9, "confidence": 90.0}, "confidence: must be below 1 (got 90.0)"),
     ],
 )
 def test_half_of_a_share_is_one_sentence(check, said):

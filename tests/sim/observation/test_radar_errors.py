@@ -125,10 +125,10 @@ def test_it_sees_neither_beyond_its_coverage_nor_above_its_antenna(circle, make_
 @pytest.mark.parametrize(
     ("table", "said"),
     [
-        ({"detection": 1.5}, "detection must lie within 0 and 1"),
-        ({"cone_of_silence": 1.6}, "cone_of_silence must be below 90 deg"),
-        ({"range_step": -1.0}, "range_step must not be negative"),
-        ({"latency": -0.1}, "latency must not be negative"),
+        ({"detection": 1.5}, "detection must be at most 1"),
+        ({"cone_of_silence": 1.6}, "cone_of_silence must be below 1.5708: beyond, it would see nothing"),
+        ({"range_step": -1.0}, "range_step must be at least 0"),
+        ({"latency": -0.1}, "latency must be at least 0"),
         ({"coverage": 0.0}, "coverage must be above 0"),
         ({"position_sigma": 50.0, "north_error": 0.01}, "north_error is an error of range or azimuth"),
     ],

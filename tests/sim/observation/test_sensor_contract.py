@@ -46,7 +46,7 @@ FAULTS = {
     "it has no 'period'": ("    period: Annotated", "    pause: Annotated"),
     "a sensor is a class that is a frozen dataclass": ("@dataclass(frozen=True)\n", ""),
     "it cannot be made with its example or its defaults: ValueError: no": (
-        "        at_least_a_step(self.period)\n",
+        "        check_ranges(self)\n",
         "        raise ValueError('no')\n",
     ),
     "channels must be a tuple of different names": ('("range", "range_rate")  #', '("range", "range")  #'),

@@ -231,12 +231,12 @@ def test_two_sensors_are_merged_in_order_of_arrival(glide):
     ("kind", "variant", "said"),
     [
         ("mls", {"anomalies": "bursts", "anomaly_share": 0.9, "burst_length": 2.0}, "burst_length must be at least 9"),
-        ("precision_radar", {"detection": 1.2}, "detection must lie within 0 and 1"),
-        ("downlink", {"latency": -1.0}, "latency must not be negative"),
-        ("dme", {"period": 0.001}, "at least 1/120 s"),
+        ("precision_radar", {"detection": 1.2}, "detection must be at most 1"),
+        ("downlink", {"latency": -1.0}, "latency must be at least 0"),
+        ("dme", {"period": 0.001}, "finer than 1/120 s"),
         ("radio_altimeter", {"sigma": 0.0}, "sigma must be above 0"),
-        ("localiser", {"course_offset": 1.0}, "course_offset must lie within 45 degrees"),
-        ("localiser", {"bias": 0.1}, "bias must lie within 5 degrees"),
+        ("localiser", {"course_offset": 1.0}, "course_offset must be at most 0.785"),
+        ("localiser", {"bias": 0.1}, "bias must be at most 0.0872665: beyond, nobody would fly it"),
     ],
 )
 def test_bad_parameters_are_told(kind, variant, said):

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from aircraft.ranges import Range, shown
 from aircraft.units import MAGNITUDES, SUFFIXES
 from sim.errors import ScenarioError
 from sim.estimation.setup import check
@@ -13,7 +18,7 @@ from sim.flight.preparation import prepare
 from sim.scenario import catalogue, tables
 from sim.scenario.arrivals.navigation import NavigationErrors
 from sim.scenario.arrivals.vectored import SpeedTable, VectoredTable, VectorTable
-from sim.scenario.parameters import model_of, parameters
+from sim.scenario.parameters import JSON_LIMITS, model_of, parameters
 from tests.capture import CAPTURE
 
 TABLES = [getattr(tables, name) for name in ("Runway", "AirTable", "Start", "PatternTable", "AutopilotTable", "Check")]
@@ -69,7 +74,7 @@ def faults_of_key(model, key, value):
         ({"sensors.radar.position_sigma_ft": 1e200}, "[sensors.radar] position_sigma_ft: must be at most 3.28e+07"),
         (
             {"checks": [{"metric": "bank_deg", "max": 1, "for_s": 1e308}]},
-            "[checks] entry 0 for_s: must be at most 1e+09",
+            "[[checks]] entry 0 for_s: must be at most 1e+09",
         ),
         (
             {"checks": [{"metric": "bank_deg", "max": 1, "during": []}]},
@@ -84,3 +89,33 @@ def test_the_sentence_names_key_and_limit_in_the_unit_of_the_file(changes, said)
     with pytest.raises(ScenarioError) as refused:
         check(prepare(read(base, changes)))
     assert said in str(refused.value)
+
+
+@pytest.mark.parametrize("cls", [*TABLES, *KINDS], ids=lambda cls: cls.__name__)
+def test_a_range_is_kept_by_what_reads_told_by_what_documents_and_required_by_the_schema(cls):
+    """Of every spelling of every parameter with a range: one note on its field says all."""
+    model = model_of(cls, partial=True)
+    written = model.model_json_schema()["properties"]
+    for parameter in parameters(cls):
+        numeric = parameter.kind in (float, float | None, int, int | None) or parameter.kind is Any
+        for key, factor in parameter.keys.items() if parameter.range is not None and numeric else ():
+            schema = next(one for one in (written[key], *written[key].get("anyOf", ())) if one.get("type"))
+            assert parameter.range.words(factor) in written[key]["description"]
+            for name, told, limit in parameter.range.limits(factor):
+                assert schema[JSON_LIMITS[name]] == limit
+                beyond = limit + (1 if name in ("below", "most") else -1) * (1 + abs(limit) / 1000)
+                whole = round if parameter.kind in (int, int | None) else float
+                (fault,) = faults_of_key(model, key, whole(beyond))
+                assert f"must be {told} {shown(limit)}" in fault["msg"]
+                assert bool(faults_of_key(model, key, limit)) == (name in ("above", "below"))
+
+
+def test_a_range_has_its_reason_and_every_number_of_an_array_keeps_it():
+    assert Range(above=0.0, why="a flight starts above the ground").fault(-3) == (
+        "must be above 0: a flight starts above the ground"
+    )
+    assert Range(least=0.0, most=1.0).fault(np.array([0.0, 1.0])) is None
+    assert Range(least=0.0, most=1.0).fault(np.array([0.0, 1.1])) == "must be at most 1"
+    assert Range(below=2.0).fault(math.nan) == "must be below 2"
+    assert Range(most=100.0).fault(194.38444924406, 1852 / 3600) is None  # 100 m/s, as its unit rounds
+    assert (shown(1e6), shown(0.01)) == ("1000000", "0.01")

@@ -120,7 +120,7 @@ def test_a_bad_axis_is_one_sentence(axes, samples, said):
         ({"wind.sped_mps": [0, 5]}, "did you mean 'speed_mps'?"),
         ({"wnd.speed_mps": [0, 5]}, "did you mean 'wind'?"),
         ({"wind.speed": [0, 5]}, "it needs its unit: speed_mps"),
-        ({"wind.speed_mps": [0, -5]}, "speed must lie within 0 and 100"),
+        ({"wind.speed_mps": [0, -5]}, "speed_mps: must be at least 0 (got -5)"),
         ({"route.legs.4.speed_mps": [50]}, "has entries 0 to 0"),
         ({"wind.speed_mps": {"grid": [0, 1, 10_000]}, "wind.from_deg": {"grid": [0, 1, 100]}}, "more than the budget"),
     ],
