@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 import sim
 from tests.capture import capture_tables
 
@@ -33,5 +31,5 @@ def short_run() -> sim.Result:
     return sim.run(TABLES)
 
 
-def save(flown: sim.Result, places: pytest.TempPathFactory) -> Path:
+def save(flown: sim.Result, places: Any) -> Path:
     return flown.save(places.mktemp("short") / "run")
