@@ -130,7 +130,8 @@ def _sending(place: Target) -> Iterator[Callable[[bytes], object]]:
             yield own.send
     except ConnectionRefusedError:
         raise OutputError(
-            f"{place.name}: nobody listens there; start FlightGear first, with --native-fdm=socket,in,30,,PORT,udp"
+            f"{place.name}: nobody listens there; start FlightGear first: "
+            f"fgfs --fdm=null --native-fdm=socket,in,30,,{place.name.rpartition(':')[2]},udp"
         ) from None
     except OSError as error:
         raise OutputError(f"{place.name}: cannot be sent to: {error.strerror or error}") from None
@@ -171,6 +172,6 @@ def motion_of(result: Result, instants: np.ndarray) -> Motion:
         np.array((state.aileron, state.elevator, state.rudder)),
         np.asarray(state.flaps) / full if full > 0.0 else np.zeros(len(instants)),
         np.asarray(state.gear),
-        np.asarray(state.main_wheels) > 0.0,
+        np.asarray(state.main_wheels) > 1e-6,  # between two records it rises in a line
         np.zeros(len(instants)) if flight.utc is None else flight.utc + instants,
     )

@@ -25,6 +25,7 @@ from sim.results.result import Result
 
 STATE = ("north", "north_rate", "east", "east_rate")
 PLACE, VELOCITY = (0, 2), (1, 3)  # rows of it: Stone Soup's mapping and velocity_mapping
+MICROSECONDS = 6  # digits behind the point of a second: no two states of a path have one stamp
 START = datetime(2026, 1, 1)  # time 0 of a flight, unless told
 
 
@@ -68,7 +69,8 @@ def to_stonesoup(result: Result, draw: int = 0, start: datetime = START) -> Ston
         cov = found.cov[:, rows][:, :, rows, 0]
         tracks[name] = _track(name, _stamps(found.time, start), found.mean[:, rows, 0], cov)
         times.append(found.time)
-    truth = _truth(result, np.unique(np.concatenate(times)), start) if result.flight.known else None
+    stamped = np.unique(np.round(np.concatenate(times), MICROSECONDS))
+    truth = _truth(result, stamped, start) if result.flight.known else None
     return StoneSoup(truth, detections, tracks, tuple(left))
 
 
