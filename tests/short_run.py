@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
-import sim
 from tests.capture import capture_tables
 
 RADAR = {"kind": "surveillance_radar", "period_s": 2.0, "position_m": [-3000, 2000, 10], "course_deg": 30.0}
@@ -25,11 +23,3 @@ TABLES: dict[str, Any] = {
         "angle": {"kind": "elevation", "sensors": ["approach"]},
     },
 }
-
-
-def short_run() -> sim.Result:
-    return sim.run(TABLES)
-
-
-def save(flown: sim.Result, places: Any) -> Path:
-    return flown.save(places.mktemp("short") / "run")

@@ -73,8 +73,6 @@ def _on_earth(result: Result, place: np.ndarray, height: np.ndarray) -> np.ndarr
 
 def _thinned(time: np.ndarray) -> np.ndarray:
     """Indices of what is shown: the first of each `STEP`, and the last."""
-    if not len(time):
-        return np.zeros(0, int)
     first = np.flatnonzero(np.diff(np.floor((time - time[0]) / STEP + 1e-6), prepend=-1.0))
     return np.union1d(first, len(time) - 1)
 
@@ -99,11 +97,12 @@ def _trackers(result: Result, begins: float, draw: int, left: list[str]) -> Iter
         if found is None:
             left.append(f"tracker '{name}' estimates no place on the ground plane")
             continue
+        if not len(found.time):
+            left.append(f"tracker '{name}' has no estimate of a place where an aircraft is")
+            continue
         if found.lost:
             left.append(f"tracker '{name}': {found.lost} estimates of places where no aircraft is")
-        few = _thinned(found.time)
-        if len(few):
-            yield _tracker(result, name, looks[name]["colour"], found, few, begins, draw)
+        yield _tracker(result, name, looks[name]["colour"], found, _thinned(found.time), begins, draw)
 
 
 def _tracker(

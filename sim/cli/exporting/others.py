@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from sim.studies.recordings import Written
 
 MIDNIGHT = 1767225600.0  # s since 1970: 2026-01-01, 0 h UTC
+YEARS = (1971, 2099)  # in which a flight can begin
 KMZ = "flight.kmz"
 
 
@@ -99,4 +100,6 @@ def _begins(date: str | None, otherwise: float) -> float:
         told = datetime.fromisoformat(date)
     except ValueError:
         raise OutputError(f"--date {date}: write it as 2026-01-01T12:00:00Z") from None
+    if not YEARS[0] <= told.year <= YEARS[1]:
+        raise OutputError(f"--date {date}: must lie in the years {YEARS[0]} to {YEARS[1]}")
     return (told if told.tzinfo is not None else told.replace(tzinfo=UTC)).timestamp()

@@ -158,8 +158,9 @@ def _estimated(result: Result, name: str, own: Columns, pick: slice) -> Columns:
     columns = _rows(head, list(channels), None, mean, own["sigma"].astype(float), exact, pick, mean.shape[2])
     if result.flight.known:
         nothing = np.zeros((len(mean), len(channels), len(channels), 1))
+        sensors = {name: sensor for name, sensor in result.scenario.sensors.items() if f"{name}.range" in channels}
         with np.errstate(all="ignore"):  # a lost track is a result
-            errors = compare(result.flight, truth, channels, mean[..., pick], nothing, dict(result.scenario.sensors))
+            errors = compare(result.flight, truth, channels, mean[..., pick], nothing, sensors)
         for channel, column in ERRORS.items():
             if channel in errors:
                 error = errors[channel].error

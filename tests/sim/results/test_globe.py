@@ -19,20 +19,9 @@ from sim.files import MARK
 from sim.reporting.figures import style
 from sim.results.globe import globe
 from sim.results.loading import load
-from tests.short_run import save, short_run
 
 KML, GX = "{http://www.opengis.net/kml/2.2}", "{http://www.google.com/kml/ext/2.2}"
 BEGINS = 1767225600.0
-
-
-@pytest.fixture(scope="module")
-def flown():
-    return short_run()
-
-
-@pytest.fixture(scope="module")
-def kept(flown, tmp_path_factory):
-    return save(flown, tmp_path_factory)
 
 
 def placemarks(kmz):
@@ -50,22 +39,22 @@ def placemarks(kmz):
 
 
 @pytest.fixture(scope="module")
-def shown(flown):
-    return globe(flown, begins=BEGINS, draw=2)
+def shown(short_flown):
+    return globe(short_flown, begins=BEGINS, draw=2)
 
 
-def threshold(flown):
-    runway = flown.scenario.runway
+def threshold(short_flown):
+    runway = short_flown.scenario.runway
     return Place(runway.latitude, runway.longitude, runway.elevation)
 
 
-def test_the_flight_is_where_it_was_flown_and_lies_as_it_lay(flown, shown):
+def test_the_flight_is_where_it_was_flown_and_lies_as_it_lay(short_flown, shown):
     time, longitude, latitude, altitude, heading, tilt, roll = placemarks(shown.kmz)["truth"].T
-    state = flown.flight.state
+    state = short_flown.flight.state
     assert (time[0], time[-1]) == pytest.approx((state.time[0], state.time[-1]), abs=1e-3)
     assert np.diff(time).max() < 0.3
     rows = np.argmin(np.abs(state.time - time[:, None]), axis=1)
-    north, east = threshold(flown).local(np.radians(latitude), np.radians(longitude), altitude - 120.0)
+    north, east = threshold(short_flown).local(np.radians(latitude), np.radians(longitude), altitude - 120.0)
     np.testing.assert_allclose(north, state.north[rows], atol=1e-3)
     np.testing.assert_allclose(east, state.east[rows], atol=1e-3)
     np.testing.assert_allclose(altitude, 120.0 + state.height[rows], atol=1e-3)
@@ -75,11 +64,11 @@ def test_the_flight_is_where_it_was_flown_and_lies_as_it_lay(flown, shown):
     assert np.abs(roll).max() > 1.0
 
 
-def test_a_tracker_is_where_it_took_the_aircraft_to_be_at_the_height_of_the_flight(flown, shown):
+def test_a_tracker_is_where_it_took_the_aircraft_to_be_at_the_height_of_the_flight(short_flown, shown):
     time, longitude, latitude, altitude, heading, *_ = placemarks(shown.kmz)["kalman"].T
-    track, state = flown.tracks["kalman"].track, flown.flight.state
+    track, state = short_flown.tracks["kalman"].track, short_flown.flight.state
     np.testing.assert_allclose(time, track.time, atol=1e-3)
-    north, east = threshold(flown).local(np.radians(latitude), np.radians(longitude), altitude - 120.0)
+    north, east = threshold(short_flown).local(np.radians(latitude), np.radians(longitude), altitude - 120.0)
     np.testing.assert_allclose(north, track.mean[:, 0, 2], atol=1e-3)
     np.testing.assert_allclose(east, track.mean[:, 2, 2], atol=1e-3)
     np.testing.assert_allclose(altitude - 120.0, np.interp(time, state.time, state.height), atol=2e-3)
@@ -87,7 +76,7 @@ def test_a_tracker_is_where_it_took_the_aircraft_to_be_at_the_height_of_the_flig
     assert np.abs(np.mod(heading - course + 180.0, 360.0) - 180.0).max() < 0.0051
 
 
-def test_colours_are_those_of_the_report_and_what_has_no_place_is_left_out(flown, shown):
+def test_colours_are_those_of_the_report_and_what_has_no_place_is_left_out(short_flown, shown):
     assert shown.shown == ("truth", "kalman", "imm")
     assert shown.left == ("tracker 'angle' estimates no place on the ground plane",)
     text = zipfile.ZipFile(io.BytesIO(shown.kmz)).read("doc.kml").decode()
@@ -96,64 +85,64 @@ def test_colours_are_those_of_the_report_and_what_has_no_place_is_left_out(flown
     assert told == [colour.upper() for colour in (style.BLACK, *style.TRACKERS[:2])]
 
 
-def test_a_height_that_is_estimated_is_shown(flown):
+def test_a_height_that_is_estimated_is_shown(short_flown):
     """Range and elevation of a radar say how high: a track in its own coordinates, turned into one by hand."""
-    one = flown.tracks["kalman"]
+    one = short_flown.tracks["kalman"]
     channels = ("approach.range", "approach.azimuth", "approach.elevation")
     mean = np.tile(np.array((1000.0, 0.0, np.pi / 6))[:, None], (1, 1, 3))
     track = one.track._replace(channels=channels, time=np.array([5.0]), mean=mean, cov=np.zeros((1, 3, 3, 1)))
-    result = dataclasses.replace(flown, tracks={"polar": one._replace(track=track)})
+    result = dataclasses.replace(short_flown, tracks={"polar": one._replace(track=track)})
     _, longitude, latitude, altitude, *_ = placemarks(globe(result, begins=BEGINS).kmz)["polar"][0]
-    radar = flown.scenario.sensors["approach"]
+    radar = short_flown.scenario.sensors["approach"]
     up = radar.antenna[2] + 500.0
     assert altitude == pytest.approx(120.0 + up, abs=1e-3)
-    north, east = threshold(flown).local(np.radians(latitude), np.radians(longitude), up)
+    north, east = threshold(short_flown).local(np.radians(latitude), np.radians(longitude), up)
     ground = 1000.0 * np.cos(np.pi / 6)
     expected = radar.antenna[:2] + ground * np.array((np.cos(radar.zero_azimuth), np.sin(radar.zero_azimuth)))
     np.testing.assert_allclose((north, east), expected, atol=1e-3)
 
 
-def test_a_lost_track_is_shown_while_it_is_near_the_earth(flown):
-    one = flown.tracks["kalman"]
+def test_a_lost_track_is_shown_while_it_is_near_the_earth(short_flown):
+    one = short_flown.tracks["kalman"]
     mean = one.track.mean.copy()
     mean[3:5, 0], mean[5, 0] = 1e9, np.nan
-    result = dataclasses.replace(flown, tracks={"kalman": one._replace(track=one.track._replace(mean=mean))})
+    result = dataclasses.replace(short_flown, tracks={"kalman": one._replace(track=one.track._replace(mean=mean))})
     found = globe(result, begins=BEGINS)
     assert len(placemarks(found.kmz)["kalman"]) == len(mean) - 3
     assert found.left == ("tracker 'kalman': 3 estimates of places where no aircraft is",)
 
 
-def test_a_flight_with_a_date_keeps_it(flown):
-    dated = dataclasses.replace(flown, flight=dataclasses.replace(flown.flight, utc=86400.0))
+def test_a_flight_with_a_date_keeps_it(short_flown):
+    dated = dataclasses.replace(short_flown, flight=dataclasses.replace(short_flown.flight, utc=86400.0))
     assert placemarks(globe(dated, begins=BEGINS).kmz)["truth"][0, 0] + BEGINS == 86400.0
 
 
-def test_a_run_without_trackers_shows_its_flight(flown):
-    assert globe(dataclasses.replace(flown, tracks={}), begins=BEGINS).shown == ("truth",)
+def test_a_run_without_trackers_shows_its_flight(short_flown):
+    assert globe(dataclasses.replace(short_flown, tracks={}), begins=BEGINS).shown == ("truth",)
 
 
-def test_where_nothing_is_known_nothing_is_shown(flown):
-    unknown = dataclasses.replace(flown.flight, outcome="unknown", rollout=None)
+def test_where_nothing_is_known_nothing_is_shown(short_flown):
+    unknown = dataclasses.replace(short_flown.flight, outcome="unknown", rollout=None)
     with pytest.raises(OutputError, match="there is nothing to show on a globe: the run has no tracker"):
-        globe(dataclasses.replace(flown, flight=unknown, tracks={}), begins=BEGINS)
-    blind = globe(dataclasses.replace(flown, flight=unknown), begins=BEGINS)
+        globe(dataclasses.replace(short_flown, flight=unknown, tracks={}), begins=BEGINS)
+    blind = globe(dataclasses.replace(short_flown, flight=unknown), begins=BEGINS)
     assert blind.shown == ("kalman", "imm")
 
 
-def test_the_command_writes_a_file_that_is_the_same_again(flown, kept, command, tmp_path):
-    told = command("export", kept, "--kmz", "-o", tmp_path / "a.kmz", "--draw", 2)
+def test_the_command_writes_a_file_that_is_the_same_again(short_flown, short_folder, command, tmp_path):
+    told = command("export", short_folder, "--kmz", "-o", tmp_path / "a.kmz", "--draw", 2)
     assert (told.returncode, told.stderr) == (0, "")
     first, second = told.stdout.splitlines()
     assert first == f"wrote {tmp_path}/a.kmz: truth, kalman, imm"
     assert second.startswith("left out: tracker 'angle'")
-    assert (tmp_path / "a.kmz").read_bytes() == globe(flown, begins=BEGINS, draw=2).kmz
-    dated = command("export", kept, "--kmz", "-o", tmp_path / "b.kmz", "--date", "2026-03-01T06:00:00Z")
+    assert (tmp_path / "a.kmz").read_bytes() == globe(short_flown, begins=BEGINS, draw=2).kmz
+    dated = command("export", short_folder, "--kmz", "-o", tmp_path / "b.kmz", "--date", "2026-03-01T06:00:00Z")
     assert dated.returncode == 0
     assert b"2026-03-01T06:00:00.000Z" in zipfile.ZipFile(tmp_path / "b.kmz").read("doc.kml")
 
 
-def test_bad_folders_draws_and_targets_are_one_sentence_each(kept, tmp_path):
-    foreign, half = (shutil.copytree(kept, tmp_path / name) for name in ("foreign", "half"))
+def test_bad_folders_draws_and_targets_are_one_sentence_each(short_folder, tmp_path):
+    foreign, half = (shutil.copytree(short_folder, tmp_path / name) for name in ("foreign", "half"))
     (foreign / MARK).unlink()
     (half / "tracks.npz").unlink()
     (tmp_path / "theirs.kmz").write_text("theirs")
@@ -161,11 +150,11 @@ def test_bad_folders_draws_and_targets_are_one_sentence_each(kept, tmp_path):
         (foreign, None, 0, "not a run folder"),
         (half, None, 0, r"half written, tracks\.npz missing"),
         (tmp_path / "none", None, 0, "no such folder"),
-        (kept, tmp_path / "a.kmz", 3, "--draw 3: the run has the draws 0 to 2"),
-        (kept, tmp_path / "a.kmz", -1, "--draw -1: the run has the draws 0 to 2"),
-        (kept, tmp_path / "a.kml", 0, r"a\.kml: name it NAME\.kmz"),
-        (kept, tmp_path / "none" / "a.kmz", 0, "no such folder to write into"),
-        (kept, tmp_path / "theirs.kmz", 0, "exists already; choose another name with -o"),
+        (short_folder, tmp_path / "a.kmz", 3, "--draw 3: the run has the draws 0 to 2"),
+        (short_folder, tmp_path / "a.kmz", -1, "--draw -1: the run has the draws 0 to 2"),
+        (short_folder, tmp_path / "a.kml", 0, r"a\.kml: name it NAME\.kmz"),
+        (short_folder, tmp_path / "none" / "a.kmz", 0, "no such folder to write into"),
+        (short_folder, tmp_path / "theirs.kmz", 0, "exists already; choose another name with -o"),
     ):
         with pytest.raises(OutputError, match=said) as caught:
             export_kmz(folder, out, None, draw, ())
@@ -173,10 +162,10 @@ def test_bad_folders_draws_and_targets_are_one_sentence_each(kept, tmp_path):
     assert (tmp_path / "theirs.kmz").read_text() == "theirs"
     assert not [path for path in tmp_path.rglob("*.kmz") if path.name != "theirs.kmz"]
     with pytest.raises(OutputError, match="write it as 2026-01-01T12:00:00Z"):
-        export_kmz(kept, tmp_path / "a.kmz", "noon", 0, ())
+        export_kmz(short_folder, tmp_path / "a.kmz", "noon", 0, ())
 
 
-def test_a_full_disk_leaves_nothing_half_written(kept, tmp_path, monkeypatch):
+def test_a_full_disk_leaves_nothing_half_written(short_folder, tmp_path, monkeypatch):
     def full(path, octets):
         with path.open("wb") as file:
             file.write(octets[:10])
@@ -184,9 +173,9 @@ def test_a_full_disk_leaves_nothing_half_written(kept, tmp_path, monkeypatch):
 
     monkeypatch.setattr("pathlib.Path.write_bytes", full)
     with pytest.raises(OutputError, match=r"a\.kmz: cannot be written: No space left on device"):
-        export_kmz(kept, tmp_path / "a.kmz", None, 0, ())
+        export_kmz(short_folder, tmp_path / "a.kmz", None, 0, ())
     assert [*tmp_path.iterdir()] == []
 
 
-def test_a_run_is_the_same_from_its_folder(flown, kept):
-    assert globe(load(kept), begins=BEGINS).kmz == globe(flown, begins=BEGINS).kmz
+def test_a_run_is_the_same_from_its_folder(short_flown, short_folder):
+    assert globe(load(short_folder), begins=BEGINS).kmz == globe(short_flown, begins=BEGINS).kmz

@@ -14,12 +14,6 @@ from sim.errors import OutputError
 from sim.interchange.views.flightgear import PACKET
 from sim.results import replaying
 from sim.results.replaying import motion_of, replay, resolved
-from tests.short_run import save, short_run
-
-
-@pytest.fixture(scope="module")
-def flown():
-    return short_run()
 
 
 class Clock:
@@ -57,15 +51,15 @@ def received(own):
             return np.frombuffer(b"".join(parts), PACKET)
 
 
-def test_every_packet_of_the_flight_arrives_and_says_where_it_was(flown, listener):
+def test_every_packet_of_the_flight_arrives_and_says_where_it_was(short_flown, listener):
     own, address = listener
     clock = Clock()
-    sent = replay(flown, address, rate=5.0, clock=clock.time, sleep=clock.sleep)
+    sent = replay(short_flown, address, rate=5.0, clock=clock.time, sleep=clock.sleep)
     found = received(own)
     assert sent == (len(found), pytest.approx(20.0), address)
     assert len(found) == 101
     assert clock.now == pytest.approx(20.0)
-    state, runway = flown.flight.state, flown.scenario.runway
+    state, runway = short_flown.flight.state, short_flown.scenario.runway
     threshold = Place(runway.latitude, runway.longitude, runway.elevation)
     north, east = threshold.local(found["latitude"], found["longitude"], found["altitude"] - runway.elevation)
     rows = np.argmin(np.abs(state.time - np.linspace(0.0, 20.0, 101)[:, None]), axis=1)
@@ -75,22 +69,22 @@ def test_every_packet_of_the_flight_arrives_and_says_where_it_was(flown, listene
     np.testing.assert_allclose(found["psi"], np.mod(state.heading[rows], 2.0 * np.pi), atol=1e-6)
 
 
-def test_speed_shortens_the_time_and_keeps_the_rate(flown, listener):
+def test_speed_shortens_the_time_and_keeps_the_rate(short_flown, listener):
     own, address = listener
     clock = Clock()
-    sent = replay(flown, address, rate=5.0, speed=4.0, clock=clock.time, sleep=clock.sleep)
+    sent = replay(short_flown, address, rate=5.0, speed=4.0, clock=clock.time, sleep=clock.sleep)
     assert clock.now == pytest.approx(5.0)
     assert len(received(own)) == sent.packets == 26
 
 
-def test_a_slow_machine_leaves_packets_out_and_ends_in_time_with_the_last(flown, listener):
+def test_a_slow_machine_leaves_packets_out_and_ends_in_time_with_the_last(short_flown, listener):
     own, address = listener
     clock = Clock(slow=0.3)  # s a look at the clock, and a packet is due every 0.2 s
-    sent = replay(flown, address, rate=5.0, clock=clock.time, sleep=clock.sleep)
+    sent = replay(short_flown, address, rate=5.0, clock=clock.time, sleep=clock.sleep)
     found = received(own)
     assert 10 < sent.packets == len(found) < 101
     assert clock.now < 20.0 + 2 * 3 * 0.3  # two turns more, each of three looks at the clock
-    whole = motion_of(flown, np.array([20.0]))
+    whole = motion_of(short_flown, np.array([20.0]))
     assert found["longitude"][-1] == whole.longitude[0]
 
 
@@ -149,21 +143,21 @@ def test_a_name_that_nobody_has_is_one_sentence(monkeypatch):
         resolved("nobody:5501", False)
 
 
-def test_where_nobody_listens_one_sentence_says_so(flown, listener):
+def test_where_nobody_listens_one_sentence_says_so(short_flown, listener):
     own, address = listener
     own.close()
     clock = Clock()
     with pytest.raises(OutputError, match=f"{address}: nobody listens there; start FlightGear first"):
-        replay(flown, address, clock=clock.time, sleep=clock.sleep)
+        replay(short_flown, address, clock=clock.time, sleep=clock.sleep)
 
 
-def test_a_socket_that_cannot_be_used_is_one_sentence(flown, monkeypatch):
+def test_a_socket_that_cannot_be_used_is_one_sentence(short_flown, monkeypatch):
     def taken(*_):
         raise OSError(errno.EADDRINUSE, "Address already in use")
 
     monkeypatch.setattr(replaying.socket, "socket", taken)
     with pytest.raises(OutputError, match=r"127\.0\.0\.1:5501: cannot be sent to: Address already in use"):
-        replay(flown, "127.0.0.1:5501")
+        replay(short_flown, "127.0.0.1:5501")
 
 
 @pytest.mark.parametrize(
@@ -174,29 +168,28 @@ def test_a_socket_that_cannot_be_used_is_one_sentence(flown, monkeypatch):
         ({"speed": 1e6}, r"--speed 1e\+06: must lie within 0.1 and 100"),
     ],
 )
-def test_rates_and_speeds_that_cannot_be_are_refused_before_any_socket(flown, monkeypatch, how, said):
+def test_rates_and_speeds_that_cannot_be_are_refused_before_any_socket(short_flown, monkeypatch, how, said):
     monkeypatch.setattr(replaying.socket, "socket", None)
     with pytest.raises(OutputError, match=said):
-        replay(flown, "127.0.0.1:5501", **how)
+        replay(short_flown, "127.0.0.1:5501", **how)
 
 
-def test_a_flight_that_nobody_knows_cannot_be_replayed(flown):
-    unknown = dataclasses.replace(flown, flight=dataclasses.replace(flown.flight, outcome="unknown"))
+def test_a_flight_that_nobody_knows_cannot_be_replayed(short_flown):
+    unknown = dataclasses.replace(short_flown, flight=dataclasses.replace(short_flown.flight, outcome="unknown"))
     with pytest.raises(OutputError, match="there is no flight to replay"):
         replay(unknown, "127.0.0.1:5501")
 
 
-def test_the_command_says_what_it_sent(flown, listener, command, tmp_path_factory):
+def test_the_command_says_what_it_sent(short_folder, listener, command):
     own, address = listener
-    folder = save(flown, tmp_path_factory)
-    told = command("replay", folder, "--flightgear", address, "--rate", 2, "--speed", 100)
+    told = command("replay", short_folder, "--flightgear", address, "--rate", 2, "--speed", 100)
     assert (told.returncode, told.stderr) == (0, "")
     assert told.stdout == f"sent 2 packets, 20.0 s of the flight, to {address}\n"
     assert len(received(own)) == 2
     for arguments, said in (
-        ([folder], "missing option '--flightgear'"),
-        ([folder.parent, "--flightgear", address], "not a run folder"),
-        ([folder, "--flightgear", "192.0.2.1:5501"], "is not this machine"),
+        ([short_folder], "missing option '--flightgear'"),
+        ([short_folder.parent, "--flightgear", address], "not a run folder"),
+        ([short_folder, "--flightgear", "192.0.2.1:5501"], "is not this machine"),
     ):
         told = command("replay", *arguments)
         assert told.returncode == 2

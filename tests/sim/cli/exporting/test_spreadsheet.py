@@ -18,7 +18,6 @@ from sim.files import MARK
 from sim.studies.folder import identity, stamp
 from sim.studies.kept.flight_log import line
 from tests.short_run import TABLES as TABLES_OF_RUN
-from tests.short_run import save, short_run
 
 TABLES = [
     "flight", "measurements.radar", "measurements.cluttered", "measurements.cluttered.plots", "measurements.approach",
@@ -27,19 +26,9 @@ TABLES = [
 ]  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def flown():
-    return short_run()
-
-
-@pytest.fixture(scope="module")
-def kept(flown, tmp_path_factory):
-    return save(flown, tmp_path_factory)
-
-
 @pytest.fixture
-def folder(kept, tmp_path):
-    return shutil.copytree(kept, tmp_path / "run")
+def folder(short_folder, tmp_path):
+    return shutil.copytree(short_folder, tmp_path / "run")
 
 
 def rows(path):
@@ -51,32 +40,32 @@ def column(table, name):
     return np.array([float(row[name]) for row in table])
 
 
-def test_a_run_gives_a_table_for_the_flight_each_sensor_and_each_tracker_in_degrees(kept, tmp_path):
-    found = export_spreadsheet(kept, tmp_path / "tables")
+def test_a_run_gives_a_table_for_the_flight_each_sensor_and_each_tracker_in_degrees(short_folder, tmp_path):
+    found = export_spreadsheet(short_folder, tmp_path / "tables")
     assert [path.name for path in found.files] == [f"{name}.csv" for name in TABLES]
     names = [name for path in found.files for name in rows(path)[0]]
     assert not [name for name in names if "rad" in name.split("_")[-1]]
     assert found.remarks == ()
 
 
-def test_the_flight_is_the_flight_in_degrees(flown, kept, tmp_path):
-    export_spreadsheet(kept, tmp_path / "t", wanted=["flight"])
+def test_the_flight_is_the_flight_in_degrees(short_flown, short_folder, tmp_path):
+    export_spreadsheet(short_folder, tmp_path / "t", wanted=["flight"])
     table = rows(tmp_path / "t" / "flight.csv")
-    np.testing.assert_array_equal(column(table, "time_s"), flown.flight.time)
-    np.testing.assert_array_equal(column(table, "bank_deg"), np.degrees(flown.flight.state.bank))
-    assert {row["phase"] for row in table} == {flown.flight.phases[index] for index in flown.flight.phase}
+    np.testing.assert_array_equal(column(table, "time_s"), short_flown.flight.time)
+    np.testing.assert_array_equal(column(table, "bank_deg"), np.degrees(short_flown.flight.state.bank))
+    assert {row["phase"] for row in table} == {short_flown.flight.phases[index] for index in short_flown.flight.phase}
 
 
-def test_a_sensor_has_its_truth_and_error_beside_it(flown, kept, tmp_path):
-    export_spreadsheet(kept, tmp_path / "t", draw=2, wanted=["measurements.radar"])
-    table, record = rows(tmp_path / "t" / "measurements.radar.csv"), flown.records["radar"]
+def test_a_sensor_has_its_truth_and_error_beside_it(short_flown, short_folder, tmp_path):
+    export_spreadsheet(short_folder, tmp_path / "t", draw=2, wanted=["measurements.radar"])
+    table, record = rows(tmp_path / "t" / "measurements.radar.csv"), short_flown.records["radar"]
     np.testing.assert_array_equal(column(table, "range_m"), record.z[:, 0, 2])
     np.testing.assert_allclose(column(table, "azimuth_deg"), np.degrees(record.z[:, 1, 2]), rtol=1e-15)
     assert {row["draw"] for row in table} == {"2"}
     # the slant range from its antenna by Pythagoras, along a flight that is straight between records
-    state = flown.flight.state
+    state = short_flown.flight.state
     away = [np.interp(record.time, state.time, one) for one in (state.north, state.east, state.height)]
-    antenna = flown.scenario.sensors["radar"].antenna
+    antenna = short_flown.scenario.sensors["radar"].antenna
     slant = np.sqrt(sum((one - own) ** 2 for one, own in zip(away, antenna, strict=True)))
     np.testing.assert_allclose(column(table, "range_truth_m"), slant, atol=0.05)  # m, of a turn within 1/30 s
     error = column(table, "range_m") - column(table, "range_truth_m")
@@ -84,12 +73,12 @@ def test_a_sensor_has_its_truth_and_error_beside_it(flown, kept, tmp_path):
     assert 1.0 < np.std(error) < 300.0
 
 
-def test_a_tracker_has_truth_errors_and_the_probabilities_of_its_models(flown, kept, tmp_path):
-    export_spreadsheet(kept, tmp_path / "t", draw=1, wanted=["tracks.imm"])
-    table, track = rows(tmp_path / "t" / "tracks.imm.csv"), flown.tracks["imm"].track
+def test_a_tracker_has_truth_errors_and_the_probabilities_of_its_models(short_flown, short_folder, tmp_path):
+    export_spreadsheet(short_folder, tmp_path / "t", draw=1, wanted=["tracks.imm"])
+    table, track = rows(tmp_path / "t" / "tracks.imm.csv"), short_flown.tracks["imm"].track
     millimetres = 5e-3  # files keep estimates in single precision
     np.testing.assert_allclose(column(table, "east_m"), track.mean[:, 2, 1], atol=millimetres)
-    by_pandas = flown.to_dataframe("errors")
+    by_pandas = short_flown.to_dataframe("errors")
     own = by_pandas[(by_pandas["tracker"] == "imm") & (by_pandas["draw"] == 1)]
     np.testing.assert_allclose(column(table, "position_error_m"), own["position_m"], atol=millimetres)
     np.testing.assert_allclose(column(table, "cross_track_error_m"), own["cross_track_m"], atol=millimetres)
@@ -101,18 +90,18 @@ def test_a_tracker_has_truth_errors_and_the_probabilities_of_its_models(flown, k
     assert not any(name.startswith("probability of model ") for name in table[0])  # they have names
 
 
-def test_what_nobody_knows_has_no_column(kept, tmp_path):
-    export_spreadsheet(kept, tmp_path / "t", wanted=["tracks.angle"])
+def test_what_nobody_knows_has_no_column(short_folder, tmp_path):
+    export_spreadsheet(short_folder, tmp_path / "t", wanted=["tracks.angle"])
     (first, *_) = rows(tmp_path / "t" / "tracks.angle.csv")
     assert {"approach.elevation_truth_deg", "approach.elevation_error_deg"} < {*first}
     assert "approach.elevation_rate_truth_degps" not in first
     assert "position_error_m" not in first
 
 
-def test_one_draw_is_written_unless_all_are_asked_for(flown, kept, tmp_path):
-    looks = len(flown.records["radar"].time)
-    export_spreadsheet(kept, tmp_path / "one", wanted=["measurements"])
-    export_spreadsheet(kept, tmp_path / "all", every_draw=True, wanted=["measurements"])
+def test_one_draw_is_written_unless_all_are_asked_for(short_flown, short_folder, tmp_path):
+    looks = len(short_flown.records["radar"].time)
+    export_spreadsheet(short_folder, tmp_path / "one", wanted=["measurements"])
+    export_spreadsheet(short_folder, tmp_path / "all", every_draw=True, wanted=["measurements"])
     one, every = (rows(tmp_path / name / "measurements.radar.csv") for name in ("one", "all"))
     assert (len(one), len(every)) == (looks, 3 * looks)
     assert [row for row in every if row["draw"] == "0"] == one
@@ -120,13 +109,13 @@ def test_one_draw_is_written_unless_all_are_asked_for(flown, kept, tmp_path):
     assert [{row["draw"] for row in part} for part in plots] == [{"0"}, {"0", "1", "2"}]
 
 
-def test_tables_can_be_chosen_by_name_and_by_what_they_are_of(kept, tmp_path):
-    found = export_spreadsheet(kept, tmp_path / "t", wanted=["tracks", "measurements.needle"])
+def test_tables_can_be_chosen_by_name_and_by_what_they_are_of(short_folder, tmp_path):
+    found = export_spreadsheet(short_folder, tmp_path / "t", wanted=["tracks", "measurements.needle"])
     assert [path.stem for path in found.files] == [
         "tracks.kalman", "tracks.imm", "tracks.angle", "measurements.needle",
     ]  # fmt: skip
     with pytest.raises(OutputError, match=r"--tables track: there is no such table; did you mean 'tracks'\?"):
-        export_spreadsheet(kept, tmp_path / "u", wanted=["track"])
+        export_spreadsheet(short_folder, tmp_path / "u", wanted=["track"])
     assert not (tmp_path / "u").exists()
 
 
@@ -154,9 +143,9 @@ def test_angles_and_their_names_go_together():
     }  # fmt: skip
 
 
-def test_more_rows_than_a_sheet_has_are_remarked_upon(kept, tmp_path, monkeypatch):
+def test_more_rows_than_a_sheet_has_are_remarked_upon(short_folder, tmp_path, monkeypatch):
     monkeypatch.setattr(spreadsheet, "MOST_ROWS", 100)
-    (remark,) = export_spreadsheet(kept, tmp_path / "t", wanted=["flight", "tracks"]).remarks
+    (remark,) = export_spreadsheet(short_folder, tmp_path / "t", wanted=["flight", "tracks"]).remarks
     assert remark == "flight.csv has 601 rows, and a sheet shows 100: say --draw K"
 
 
@@ -228,22 +217,22 @@ def test_a_wrong_folder_is_told_in_one_sentence_and_nothing_is_written(folder, t
 
 
 @pytest.mark.parametrize("draw", [-1, 3])
-def test_a_draw_that_the_run_has_not_is_refused(kept, tmp_path, draw):
+def test_a_draw_that_the_run_has_not_is_refused(short_folder, tmp_path, draw):
     with pytest.raises(OutputError, match=f"--draw {draw}: the run has the draws 0 to 2"):
-        export_spreadsheet(kept, tmp_path / "tables", draw=draw)
+        export_spreadsheet(short_folder, tmp_path / "tables", draw=draw)
     assert not (tmp_path / "tables").exists()
 
 
-def test_a_target_that_something_else_wrote_is_left_alone(kept, tmp_path):
+def test_a_target_that_something_else_wrote_is_left_alone(short_folder, tmp_path):
     (tmp_path / "theirs").mkdir()
     (tmp_path / "theirs" / "flight.csv").write_text("theirs")
     with pytest.raises(OutputError, match="holds files that shortfinal did not write"):
-        export_spreadsheet(kept, tmp_path / "theirs")
+        export_spreadsheet(short_folder, tmp_path / "theirs")
     assert (tmp_path / "theirs" / "flight.csv").read_text() == "theirs"
     with pytest.raises(OutputError, match="holds a run, not tables of a run"):
-        export_spreadsheet(kept, sim.run(TABLES_OF_RUN, draws=1).save(tmp_path / "other"))
-    export_spreadsheet(kept, tmp_path / "ours", wanted=["flight"])
-    export_spreadsheet(kept, tmp_path / "ours", wanted=["flight"])  # again
+        export_spreadsheet(short_folder, sim.run(TABLES_OF_RUN, draws=1).save(tmp_path / "other"))
+    export_spreadsheet(short_folder, tmp_path / "ours", wanted=["flight"])
+    export_spreadsheet(short_folder, tmp_path / "ours", wanted=["flight"])  # again
 
 
 def test_a_full_disk_leaves_the_old_tables(folder, monkeypatch):
@@ -261,7 +250,7 @@ def test_a_full_disk_leaves_the_old_tables(folder, monkeypatch):
     assert not (folder / ".partial").exists()
 
 
-def test_the_command_says_what_it_wrote(kept, command, tmp_path):
-    told = command("export", kept, "--csv", "-o", tmp_path / "t", "--tables", "flight,tracks.imm", "--draw", 1)
+def test_the_command_says_what_it_wrote(short_folder, command, tmp_path):
+    told = command("export", short_folder, "--csv", "-o", tmp_path / "t", "--tables", "flight,tracks.imm", "--draw", 1)
     assert (told.returncode, told.stderr) == (0, "")
     assert told.stdout.splitlines() == [f"wrote {tmp_path}/t/flight.csv", f"wrote {tmp_path}/t/tracks.imm.csv"]
