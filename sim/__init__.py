@@ -24,6 +24,8 @@ Verbs, in the order of a run
 - `tracker` - a class of one's own, its sensors, law, route -> `OwnTracker` for run (sim.estimation.own_trackers)
 - `figures` - Result -> names and titles of its figures, for `Result.plot` (sim.results.result)
 - `load` - the folder of a run -> the Result that it was written from (sim.results.loading)
+- `to_stonesoup`, `from_stonesoup` - a Result as objects of Stone Soup, and its tracks as `judge` takes them
+  (sim.results.stonesoup)
 - `recorded` - recorded tracks and a runway -> a `Flight` for each, not flown here (sim.flight.recording.flights)
 
 Units and frames
@@ -156,6 +158,7 @@ if TYPE_CHECKING:
     from sim.observation.record import SensorRecord, observe
     from sim.results.loading import load
     from sim.results.result import Result, figures
+    from sim.results.stonesoup import from_stonesoup, to_stonesoup
     from sim.results.studied import StudyResult
     from sim.scenario.model import Scenario
     from sim.studies.comparing.comparison import compare
@@ -185,6 +188,7 @@ __all__ = [
     "explain",
     "figures",
     "fly",
+    "from_stonesoup",
     "identify",
     "linear",
     "load",
@@ -195,6 +199,7 @@ __all__ = [
     "report",
     "run",
     "study",
+    "to_stonesoup",
     "track",
     "tracker",
 ]
@@ -216,6 +221,7 @@ _HOMES = {
     "sim.observation.record": ("SensorRecord", "observe"),
     "sim.results.loading": ("load",),
     "sim.results.result": ("Result", "figures"),
+    "sim.results.stonesoup": ("from_stonesoup", "to_stonesoup"),
     "sim.results.studied": ("StudyResult",),
     "sim.scenario.model": ("Scenario",),
     "sim.studies.comparing.comparison": ("compare",),

@@ -38,6 +38,7 @@ DAMAGED = (
 KINDS = {
     **{"run": "a run", "study": "a study", "claims": "the claims", "identification": "identified laws"},
     "jsbsim": "a root of JSBSim",
+    "tables": "tables of a run",
 }
 
 

@@ -26,6 +26,8 @@ DISTRIBUTIONS = (
     "jinja2",
     "pebble",
 )
+EXTRAS = {"cluster": "distributed", "parquet": "pyarrow", "pandas": "pandas", "stonesoup": "stonesoup"}
+"""Extra of shortfinal -> the distribution that it brings; not those that build documents or test."""
 HOME = Path(__file__).resolve().parents[1]
 PACKAGES = ("aircraft", "autopilot", "tracking", "sim")
 CORE_NAMES = tuple(f"{prefix}openblas_get_corename{suffix}" for prefix in ("scipy_", "") for suffix in ("64_", ""))

@@ -56,7 +56,8 @@ CONFINED = {
     "jinja2": ("sim/reporting/page.py",),
     "distributed": ("sim/workers/cluster.py",),
     "pandas": ("sim/reporting/frames.py", "sim/results/result.py"),  # there its name only, for a type
-    "pyarrow": ("sim/cli/export.py", "sim/interchange/track_writer.py", "sim/interchange/tables.py"),
+    "stonesoup": ("sim/results/stonesoup.py",),
+    "pyarrow": ("sim/cli/exporting/formats.py", "sim/interchange/track_writer.py", "sim/interchange/tables.py"),
 }
 HEAVY = (*CONFINED, "scipy")  # what a user who asks for help should not wait for
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from textwrap import wrap as wrapped
 
 from sim.cache import user_cache
-from sim.versions import DISTRIBUTIONS
+from sim.versions import DISTRIBUTIONS, EXTRAS
 
 WIDTH = 120  # of a line on an aircraft, which may lack much
 PROBE = "import jsbsim; jsbsim.FGJSBBase().debug_lvl = 0; f = jsbsim.FGFDMExec(None); print(f.get_version())"
@@ -40,12 +40,22 @@ def examine() -> tuple[list[str], bool]:
     rows.append(
         (os.access(".", os.W_OK), "this folder", "can be written" if os.access(".", os.W_OK) else "read-only: use -o")
     )
+    extras = [(f"extra {extra}", _extra(extra, name)) for extra, name in EXTRAS.items()]
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
-    width = max(len(name) for _, name, _ in rows)
+    width = max(len(name) for name in (*(name for _, name, _ in rows), *(name for name, _ in extras)))
     lines = [f"{'good' if good else 'BAD ':4}  {name:{width}}  {text}" for good, name, text in rows]
+    lines += [f"note  {name:{width}}  {text}" for name, text in extras]
     lines.append(f"note  {'browser':{width}}  {chromium or 'none on the PATH: report tests are skipped'}")
     lines.append(f"note  {'cache':{width}}  {_cache()}")
     return lines, all(good for good, _, _ in rows)
+
+
+def _extra(extra: str, distribution: str) -> str:
+    """The version of what an extra brings, or how to get it."""
+    try:
+        return f"{distribution} {importlib.metadata.version(distribution)}"
+    except importlib.metadata.PackageNotFoundError:
+        return f"not installed: pip install 'shortfinal[{extra}]'"
 
 
 def _cache() -> str:

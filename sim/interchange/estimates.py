@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 import math
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from sim.errors import OutputError
+from sim.files import whole
 from sim.interchange.asterix.tracks import read_estimates as read_asterix
 from sim.interchange.asterix.writing import ADDRESS
 from sim.interchange.cells import CellTable, Column, Columns, listed, text_columns
@@ -41,6 +45,38 @@ class Estimates(NamedTuple):
     geographic: np.ndarray | None  # (r, 2) latitude and longitude, rad, WGS 84
     velocity: np.ndarray | None  # (r, 2) m/s north, east
     cov: np.ndarray | None  # (r, 2, 2) m2 of the position, north and east
+
+    def save(self, path: str | Path) -> Path:
+        """Write them as comma-separated values, in full: what `read_estimates` reads again.
+
+        Raises ``OutputError`` for a file that exists, or cannot be written.
+        """
+        path = Path(path)
+        if path.exists() or path.is_symlink():
+            raise OutputError(f"{path}: exists already; choose another name")
+        columns = {name: values.tolist() for name, values in _written(self).items() if values is not None}
+        with whole(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+            rows = csv.writer(file, lineterminator="\n")
+            rows.writerow(columns)
+            rows.writerows(zip(*columns.values(), strict=True))
+        return path
+
+
+def _written(said: Estimates) -> dict[str, np.ndarray | None]:
+    """The columns of a file; None = there is nothing to write."""
+    nothing = (None, None)
+    latitude, longitude = nothing if said.geographic is None else np.degrees(said.geographic.T)
+    north, east = nothing if said.local is None else said.local.T
+    north_rate, east_rate = nothing if said.velocity is None else said.velocity.T
+    cov = None if said.cov is None else np.where(np.isfinite(said.cov), said.cov.astype(object), "")
+    return {
+        **{"time_s": said.stamps.time, "draw": said.draw, "track_number": said.number},
+        **{"north_m": north, "east_m": east, "latitude_deg": latitude, "longitude_deg": longitude},
+        **{"north_rate_mps": north_rate, "east_rate_mps": east_rate},
+        "north_variance_m2": None if cov is None else cov[:, 0, 0],
+        "east_variance_m2": None if cov is None else cov[:, 1, 1],
+        "north_east_covariance_m2": None if cov is None else cov[:, 0, 1],
+    }
 
 
 def read_estimates(content: bytes) -> Estimates:

@@ -12,11 +12,11 @@ Columns = dict[str, np.ndarray]
 
 
 def groups(arrays: Columns) -> dict[str, Columns]:
-    """Arrays by what stands before the last dot of their name, which is the sensor or the tracker."""
+    """Arrays by what stands before the last dot of their name: the sensor or the tracker, or ``SENSOR.plots``."""
     groups: dict[str, Columns] = {}
     for name, array in arrays.items():
         group, _, own = name.rpartition(".")
-        if group and not NAME.fullmatch(group):
+        if group and not all(map(NAME.fullmatch, group.split("."))):
             raise ValueError("a name that no sensor or tracker has")
         groups.setdefault(group, {})[own] = array
     return groups

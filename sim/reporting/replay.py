@@ -57,7 +57,7 @@ def replay(
             "asked": _listed((state.height - height_error(flight, scenario.runway))[few]),
             "bank": _listed(np.degrees(state.bank[few])),
             "pitch": _listed(np.degrees(state.pitch[few])),
-            "heading": _listed(np.degrees(np.unwrap(_nose(flight)) - course)[few]),
+            "heading": _listed(np.degrees(np.unwrap(nose(flight)) - course)[few]),
             "speed": _listed(state.airspeed[few]),
         },
         "phases": [
@@ -80,7 +80,7 @@ def replay(
     }
 
 
-def _nose(flight: Flight) -> np.ndarray:
+def nose(flight: Flight) -> np.ndarray:
     """(k,) rad, where the nose points; of a recorded flight, where it goes."""
     return np.asarray(flight.state.course if flight.is_recorded else flight.state.heading)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sim
-from sim.cli.export import export_asterix
+from sim.cli.exporting.others import export_asterix
 from sim.results.judging import with_track
 
 pytestmark = pytest.mark.acceptance

@@ -84,7 +84,7 @@ def test_words_about_a_parameter_are_no_type():
 
 def test_a_message_names_an_extra_that_brings_what_is_missing():
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
-    brings = {"pandas": "pandas", "parquet": "pyarrow", "cluster": "distributed"}
+    brings = {"pandas": "pandas", "parquet": "pyarrow", "cluster": "distributed", "stonesoup": "stonesoup"}
     named = [
         (file, extra)
         for file in (ROOT / "sim").rglob("*.py")

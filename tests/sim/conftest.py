@@ -57,6 +57,21 @@ def inline():
     return Inline
 
 
+@pytest.fixture(scope="session")
+def short_flown():
+    """The run of tests/short_run.py."""
+    import sim
+    from tests.short_run import TABLES
+
+    return sim.run(TABLES)
+
+
+@pytest.fixture(scope="session")
+def short_folder(short_flown, tmp_path_factory):
+    """Its folder, which is only read."""
+    return short_flown.save(tmp_path_factory.mktemp("short") / "run")
+
+
 class Done(NamedTuple):
     """What a command that has ended leaves at the prompt."""
 

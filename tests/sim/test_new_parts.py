@@ -19,7 +19,7 @@ import pytest
 import sim
 from aircraft.wind_event import broken_promises as broken_by_event
 from sim.cli.explain import explain
-from sim.cli.export import export
+from sim.cli.exporting.spreadsheet import export_spreadsheet
 from sim.cli.listing import kind_lines
 from sim.errors import ScenarioError
 from sim.estimation.setup import check
@@ -281,15 +281,17 @@ def test_what_a_sensor_covers_is_drawn_where_it_is(watched):
     assert "eye" in [words.text for words in marks(panel, Words)]
 
 
+COLUMNS = ("", "_sigma", "_truth", "_error")  # of a channel in a table
+
+
 def test_a_new_sensor_is_recorded_and_exported_with_its_units(watched):
     _, folder = watched
     with np.load(folder / "measurements.npz") as arrays:
         assert arrays["doppler.units"].tolist() == ["m", "mps"]
-    export(folder, "csv")
+    export_spreadsheet(folder)
     with (folder / "measurements.doppler.csv").open() as file:
-        assert file.readline().strip() == (
-            "time_s,arrival_s,draw,range_m,range_sigma_m,range_rate_mps,range_rate_sigma_mps"
-        )
+        names = [f"{one}{part}_{unit}" for one, unit in (("range", "m"), ("range_rate", "mps")) for part in COLUMNS]
+        assert file.readline().strip().split(",") == ["time_s", "arrival_s", "phase", "draw", *names]
 
 
 def test_a_tracker_of_places_uses_the_range_of_a_new_sensor_beside_a_radar(watched):

@@ -15,6 +15,7 @@ from sim.cli.commands.flying import judge, record, run
 from sim.cli.commands.hints import hint
 from sim.cli.commands.identify import identify
 from sim.cli.commands.looking import explain, list_
+from sim.cli.commands.replay import replay
 from sim.cli.commands.studying import resume, study
 from sim.cli.commands.writing import new, schema, validate
 from sim.cli.endings import (
@@ -46,7 +47,7 @@ COMMANDS = (  # as the help lists them
     *(run, judge, record),
     *(study, resume, claims, compare),
     *(validate, new, list_, explain, schema),
-    *(contract, doctor, identify, export),
+    *(contract, doctor, identify, export, replay),
 )
 
 

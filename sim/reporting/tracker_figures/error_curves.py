@@ -24,7 +24,7 @@ class Shown(NamedTuple):
 
 def shown_trackers(scenario: Any, tracked: dict[str, Any]) -> list[Shown]:
     """The trackers that can be compared with the truth in any channel, or say a place, each with its look."""
-    looks = _looks(scenario, tracked)
+    looks = looks_of(scenario, tracked)
     return [
         Shown(name, it.law_from, looks[name], it.curves)
         for name, it in tracked.items()
@@ -39,7 +39,7 @@ def shown_channels(shown: list[Shown]) -> list[str]:
     return first or list(found)
 
 
-def _looks(scenario: Any, tracked: dict[str, Any]) -> dict[str, dict[str, Any]]:
+def looks_of(scenario: Any, tracked: dict[str, Any]) -> dict[str, dict[str, Any]]:
     """A colour for each tracker; one with a mismatched law has that of the first of its kind, dashed in its own way."""
     choices = {name: scenario.trackers.get(name) for name in tracked}
     kinds = {name: name if choice is None else choice.kind for name, choice in choices.items()}

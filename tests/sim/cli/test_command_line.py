@@ -215,6 +215,33 @@ def test_lists_and_schema_and_doctor_answer(command, tmp_path):
     assert command("doctor").returncode == 0
 
 
+def test_doctor_names_every_extra_and_what_of_it_is_installed(monkeypatch):
+    import importlib.metadata as metadata
+    import tomllib
+
+    from sim.cli.doctor import examine
+    from sim.versions import EXTRAS
+
+    root = Path(__file__).resolve().parents[3]
+    asked = tomllib.loads((root / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    assert {extra: asked[extra][0].split()[0] for extra in asked if extra not in ("docs", "dev")} == EXTRAS
+    there = {"pyarrow": "17.0"}
+
+    def version(name):
+        if name in EXTRAS.values() and name not in there:
+            raise metadata.PackageNotFoundError
+        return there.get(name, "1.0")
+
+    monkeypatch.setattr(metadata, "version", version)
+    lines, healthy = examine()
+    told = dict(line.removeprefix("note  extra ").split(maxsplit=1) for line in lines if "  extra " in line)
+    assert told.pop("parquet") == "pyarrow 17.0"
+    assert told == {
+        extra: f"not installed: pip install 'shortfinal[{extra}]'" for extra in EXTRAS if extra != "parquet"
+    }
+    assert healthy  # an extra is none that must be there
+
+
 def test_doctor_says_what_an_aircraft_lacks_and_what_repairs_do(command, tmp_path):
     path = FOREIGN["read by a switch"].write(tmp_path)
     told = command("doctor", "--aircraft", path)

@@ -10,7 +10,7 @@ import pytest
 
 import sim.flight.jsbsim_root.folder as roots
 from aircraft import properties
-from sim.cli.export import export_jsbsim
+from sim.cli.exporting.others import export_jsbsim
 from sim.errors import OutputError, ScenarioError
 from sim.experiment import fly, read
 from sim.flight.jsbsim_root.folder import SCRIPT, write_jsbsim_root

@@ -16,7 +16,7 @@ import pytest
 import sim
 from aircraft.units import SUFFIXES
 from autopilot.route import Leg, Route
-from sim.cli.export import export
+from sim.cli.exporting.spreadsheet import export_spreadsheet
 from sim.flight.outcomes import STOPPED
 from sim.metrics import signals, table
 from sim.metrics.checks import unknown_names, with_names
@@ -160,7 +160,7 @@ def test_one_row_more_is_in_run_checks_study_report_and_export(monkeypatch, tmp_
     assert (aside, straight > aside) == (pytest.approx(value), True)
     assert (metrics["checks"][0]["unit"], metrics["checks"][0]["passed"]) == ("s", False)
     assert f"{row.label}, s" in (tmp_path / "study" / "report.html").read_text()
-    (table_of_flights,) = export(tmp_path / "study", "csv")
+    (table_of_flights,) = export_spreadsheet(tmp_path / "study").files
     with table_of_flights.open() as file:
         assert [float(line[row.name]) for line in csv.DictReader(file)] == [straight, aside]
     assert row.name in json.loads((tmp_path / "study" / "metrics.json").read_text())["rows"][0]

@@ -11,7 +11,7 @@ import pytest
 
 import sim
 from aircraft.runway import Runway as Place
-from sim.cli.export import export_asterix
+from sim.cli.exporting.others import export_asterix
 from sim.errors import OutputError
 from sim.interchange.asterix.plots import read_plots
 from sim.interchange.asterix.reading import feed_of
@@ -226,21 +226,6 @@ def test_a_sensor_that_saw_nothing_leaves_an_empty_file(flown, tmp_path):
     files, _ = write_asterix(dataclasses.replace(flown, records=blind, tracks={}), tmp_path, begins=0.0)
     assert [one.rpartition(": ")[2] for one in files] == ["0 looks"] * 3
     assert {path.stat().st_size for path in tmp_path.iterdir()} == {0}
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (("--pcap",), "--pcap and --draw go with --asterix"),
-        (("--asterix", "--csv"), "--asterix goes with --pcap, --draw and --date alone"),
-        (("--date", "2026-01-01"), "--date with that or --asterix"),
-        ((), "say what: --csv, --parquet, --tracks, --asterix or --jsbsim"),
-    ],
-)
-def test_options_that_do_not_go_together_are_told(folder, command, options, said):
-    told = command("export", folder, *options)
-    assert told.returncode == 2
-    assert said in told.stderr
 
 
 def test_the_command_says_what_it_wrote_and_what_it_left_out(folder, command):

@@ -17,7 +17,7 @@ import pytest
 from sim import claims, files
 from sim.claims import row_cache
 from sim.claims.ledger import Claim, Measured, Reading, Row, exactly
-from sim.cli.export import export
+from sim.cli.exporting.spreadsheet import export_spreadsheet
 from sim.errors import OutputError, ScenarioError
 from sim.flight.preparation import prepare
 from sim.scenario.reading import read
@@ -79,7 +79,7 @@ def resume(folder, told=None):
     return studies.resume(folder, Inline(), remark=None if told is None else told.append)
 
 
-VERBS = {"resume": resume, "export": lambda folder: export(folder, "csv"), "anew": lambda folder: anew(folder)}
+VERBS = {"resume": resume, "export": lambda folder: export_spreadsheet(folder), "anew": lambda folder: anew(folder)}
 
 
 def anew(folder):
@@ -294,7 +294,7 @@ def test_what_is_not_read_is_told_and_flown_again(good, folder, spoil):
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     if spoil != "other cell":  # to see that, one needs the plan
         with pytest.raises(OutputError, match=r"\A[^\n]*line \d+ [^\n]*'shortfinal resume [^\n]+\Z"):
-            export(folder, "csv")
+            export_spreadsheet(folder)
         assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
     told = []
     resume(folder, told)
