@@ -10,12 +10,11 @@ import typer
 from sim.cli.commands.claims import claims
 from sim.cli.commands.compare import compare
 from sim.cli.commands.examining import contract, doctor
-from sim.cli.commands.export import export
+from sim.cli.commands.export import export, replay
 from sim.cli.commands.flying import judge, record, run
 from sim.cli.commands.hints import hint
 from sim.cli.commands.identify import identify
 from sim.cli.commands.looking import explain, list_
-from sim.cli.commands.replay import replay
 from sim.cli.commands.studying import resume, study
 from sim.cli.commands.writing import new, schema, validate
 from sim.cli.endings import (

@@ -1,4 +1,4 @@
-"""Records of a run for other programs."""
+"""A run for other programs: as files, and as what a FlightGear shows."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from sim.cli.commands.options import Plugins, Sets, overrides_of, progress_bar
+from sim.cli.commands.options import Plugins, Quiet, Sets, overrides_of, progress_bar
 
 
 def export(
@@ -64,3 +64,24 @@ def export(
     for line in answer.lines:
         typer.echo(line)
     raise typer.Exit(answer.code)
+
+
+def replay(
+    folder: Annotated[Path, typer.Argument(metavar="RUN", help="The folder of a run.")],
+    flightgear: Annotated[
+        str, typer.Option(metavar="HOST:PORT", help="Where a FlightGear listens for its native FDM packets (UDP).")
+    ],
+    rate: Annotated[float, typer.Option(metavar="HZ", help="Packets a second.")] = 30.0,
+    speed: Annotated[float, typer.Option(metavar="X", help="Times as fast as it was flown.")] = 1.0,
+    remote: Annotated[bool, typer.Option("--remote", help="Allow a host that is not this machine.")] = False,
+    plugins: Plugins = None,
+    quiet: Quiet = False,
+) -> None:
+    """Show a run in a FlightGear, as it was flown and in its time."""
+    from sim.results.loading import load
+    from sim.results.replaying import replay as shown
+
+    result = load(folder, plugins=plugins or ())
+    progress = None if quiet else progress_bar()
+    sent = shown(result, flightgear, rate=rate, speed=speed, remote=remote, progress=progress)
+    typer.echo(f"sent {sent.packets} packets, {sent.duration:.1f} s of the flight, to {sent.address}")
