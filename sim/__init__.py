@@ -24,8 +24,8 @@ Verbs, in the order of a run
 - `tracker` - a class of one's own, its sensors, law, route -> `OwnTracker` for run (sim.estimation.own_trackers)
 - `figures` - Result -> names and titles of its figures, for `Result.plot` (sim.results.result)
 - `load` - the folder of a run -> the Result that it was written from (sim.results.loading)
-- `to_stonesoup`, `from_stonesoup` - a Result as objects of Stone Soup, and its tracks as `judge` takes them
-  (sim.results.stonesoup)
+- `to_stonesoup` - Result -> truth, detections and tracks of one draw for Stone Soup (sim.results.stonesoup)
+- `from_stonesoup` - tracks of Stone Soup -> what ``shortfinal judge`` takes (sim.results.stonesoup)
 - `recorded` - recorded tracks and a runway -> a `Flight` for each, not flown here (sim.flight.recording.flights)
 
 Units and frames
