@@ -1,6 +1,7 @@
 """The airframe: six-degree-of-freedom flight by JSBSim, and the point mass of the papers behind the same interface.
 
-- ``state``: what passes to and from autopilot and sensors; ``units``: suffix -> SI; ``errors``: sentences for users
+- ``state``: what passes to and from autopilot and sensors; ``units``: suffix -> SI; ``ranges``: what a
+  parameter may be, as a note on its field; ``errors``: sentences for users
 - ``model_files``, ``safe_xml``, ``repairs``, ``loading``: from somebody's model to one that can be flown here;
   ``data``, ``stock``, ``landing_gear``, ``runway``: what is known besides; ``identity``: a digest of all that;
   ``models``: aircraft of our own, made by ``handbook``

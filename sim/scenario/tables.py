@@ -23,7 +23,7 @@ FARTHEST = 1e6  # m from the threshold; the local metric is long wrong there
 STRONGEST = 100.0  # m/s, of a steady wind
 LAG = Range(least=0.0, most=30.0)
 LATITUDE = within(math.radians(85), "the local metric fails near a pole")
-BANDWIDTHS = Range(above=0.0, most=2.0, why="bandwidths of the bank loop")
+BANDWIDTHS = Range(above=0.0, most=2.0, why="it counts in bandwidths of the bank loop")
 AIRSPEED = Range(least=1.0, most=FASTEST)  # of a leg that is flown
 DECELERATION = Range(above=0.0, most=100.0)
 HEIGHT = Range(above=0.0, most=HIGHEST_FLIGHT)
@@ -399,9 +399,7 @@ class SensorFault:
 class StudyTable:
     """What a study varies, and how many samples it draws of what is distributed; without axes, of the air alone."""
 
-    axes: Annotated[dict[str, Any] | None, "not empty"] = (
-        None  # absent = nothing is varied: every sample is one more flight
-    )
+    axes: dict[str, Any] | None = None  # absent = nothing is varied: every sample is one more flight
     samples: Annotated[int, Range(least=1)] = 1
     show: tuple[str, ...] = ()  # what the report draws; absent = figures of checks, or the usual ones, and of trackers
     theory: Literal["orbit", "energy", "gain", "limits"] | None = None  # what maps draw before they are flown

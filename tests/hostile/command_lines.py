@@ -129,7 +129,7 @@ VALUES = (  # of --set, on the shortest scenario
     ("runway.latitude_deg=90", "at most 85: the local metric fails near a pole"),
     ("runway.elevation_m=1e4", "must be at most 9000"),
     ("study=3", "must be a table"),
-    ("study.axes={}", "axes: must not be empty"),
+    ("study.axes={}", "axes are empty"),
     ("study={axes={'wind.speed_mps'=[nan]}}", "must be a finite number"),
     ("study={axes={'wind.speed_mps'={grid=[0,1,1e9]}}}", "1 to 10000 values"),
     ("study={axes={'wind.speed_mps'={uniform=[0,1]}},samples=1000000000}", "budget of 100000"),

@@ -1,4 +1,9 @@
-"""The command ``shortfinal``: every verb of the simulation, one sentence for every fault."""
+"""The command ``shortfinal``: every verb of the simulation, one sentence for every fault.
+
+``options`` are what several commands share. ``flying``: run, judge, record; ``studying``: study, resume; ``claims``;
+``compare``; ``writing``: validate, new, schema; ``looking``: list, explain; ``examining``: contract, doctor;
+``identify``; ``export``. ``hints`` says where a command line that is none leads.
+"""
 
 from __future__ import annotations
 

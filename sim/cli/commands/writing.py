@@ -13,7 +13,6 @@ from sim.cli.commands.options import DEFAULT, NoCache, Plugins, Quiet, Sets, Ver
 from sim.cli.endings import BAD_INPUT, GOOD
 from sim.cli.terminal import say
 from sim.errors import OutputError, printable
-from sim.files import whole
 
 
 def validate(
@@ -48,6 +47,7 @@ def new(file: Annotated[Path, typer.Argument(help="The scenario file to make.")]
     """Write a commented scenario to start from, and beside it the schema by which editors complete and check it."""
     from importlib import resources
 
+    from sim.files import whole
     from sim.scenario.schema import NAME
 
     name = file.name.removesuffix(".toml").removesuffix(".scenario")

@@ -50,7 +50,7 @@ def schema(catalogue: Catalogue = BUNDLED) -> dict[str, Any]:
     found: dict[str, Any] = file_model(**parts).model_json_schema()
     found["required"] = [key for key in found["required"] if key != "name"]  # what has none is called as its file is
     plain = {"$schema": DIALECT, **_plain(found, found["$defs"])}
-    plain["$defs"]["StudyTable"]["properties"]["axes"]["additionalProperties"] = _axis()
+    plain["$defs"]["StudyTable"]["properties"]["axes"] |= {"additionalProperties": _axis(), "minProperties": 1}
     return plain
 
 

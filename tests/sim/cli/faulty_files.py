@@ -130,7 +130,7 @@ against = "a"
             (6, "[wind.events.b] kind: no kind 'microbrst'; did you mean 'microburst'?"),
             (8, "[[departures]] entry 0 at_s: must be at least 0: a flight begins at 0 s (go"),
             (12, "[[sensor_faults]] entry 0 sensor: no sensor 'rdr'; there are none"),
-            (14, "[[contrasts]] entry 0 a contrast needs two trackers, and 'a' is one: give t"),
+            (15, "[[contrasts]] entry 0 a contrast needs two trackers, and 'a' is one: give t"),
         ],
     ),
     "axes of a study": (

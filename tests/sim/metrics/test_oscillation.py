@@ -100,7 +100,7 @@ def test_frequency_share_is_of_the_bandwidth_of_the_bank_loop():
 @pytest.mark.parametrize(
     ("autopilot", "told"),
     [
-        ({"frequency_share": 0.0}, "frequency_share must be above 0"),
+        ({"frequency_share": 0.0}, "frequency_share: must be above 0"),
         ({"frequency_share": 0.1, "law": {"k1_deg_per_m": 0.1}}, "leave them out"),
         ({"frequency_share": 0.1, "kind": "radio_beacon"}, "'frequency_share' sets k1 and k2 of the route law"),
     ],

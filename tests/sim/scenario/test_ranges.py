@@ -107,7 +107,7 @@ def test_a_range_is_kept_by_what_reads_told_by_what_documents_and_required_by_th
                 whole = round if parameter.kind in (int, int | None) else float
                 (fault,) = faults_of_key(model, key, whole(beyond))
                 assert f"must be {told} {shown(limit)}" in fault["msg"]
-                assert bool(faults_of_key(model, key, limit)) == (name in ("above", "below"))
+                assert bool(faults_of_key(model, key, whole(limit))) == (name in ("above", "below"))
 
 
 def test_a_range_has_its_reason_and_every_number_of_an_array_keeps_it():

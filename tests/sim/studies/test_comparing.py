@@ -182,11 +182,14 @@ def test_what_cannot_be_compared_is_one_sentence(tmp_path):
     old = made(tmp_path / "old", 1, each_flight=[{"number": 1}])
     broken = made(tmp_path / "broken", 1)
     (broken / "metrics.json").write_text("{")
+    half = made(tmp_path / "half", 1)
+    (half / "metrics.json").unlink()
     for other, words in (
         (tmp_path / "empty", "not a run folder"),
         (tmp_path / "none", "no such folder"),
         (old, "not that of this version"),
         (broken, "damaged"),
+        (half, "half written, metrics.json missing; run the scenario again"),
     ):
         with pytest.raises(OutputError, match=words) as told:
             compare(a, other)
