@@ -200,9 +200,12 @@ def _linear_quadratic(A: Any, B: Any, Q: Any, R: Any, controls: str) -> Any:
     from scipy.linalg import solve_continuous_are
 
     try:
-        return np.linalg.solve(R, B.T @ solve_continuous_are(A, B, Q, R))
+        K = np.linalg.solve(R, B.T @ solve_continuous_are(A, B, Q, R))
+        if max(np.linalg.eigvals(A - B @ K).real) < 0.0:  # rounding decides whether scipy sees that nothing steers
+            return K
     except np.linalg.LinAlgError:
-        raise ValueError(f"no gains can be designed: {controls} do not steer this aircraft") from None
+        pass
+    raise ValueError(f"no gains can be designed: {controls} do not steer this aircraft")
 
 
 def steady_sideslip(point: OperatingPoint) -> tuple[float, float, float]:

@@ -19,7 +19,7 @@ CHROMIUM = next((path for name in NAMES if (path := shutil.which(name))), None)
 
 
 class Browser:
-    """Chromium without a window, spoken to over its debugging pipe; `said` holds what its console had to say."""
+    """Chromium without a window, spoken to over its debugging pipe; `said`: its console, `fetched`: its requests."""
 
     def __init__(self, folder):
         read_in, self._write = os.pipe()
@@ -33,12 +33,14 @@ class Browser:
         os.close(read_in)
         os.close(write_out)
         self._calls, self._rest, self._session, self.said, self._loaded = 0, b"", None, [], False
+        self.fetched = []
 
     def open(self, path):
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Log"):
+        for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
+        self._loaded = False
         self.call("Page.navigate", url=path.as_uri())
         while not self._loaded:
             self._next()
@@ -63,6 +65,8 @@ class Browser:
         self._loaded |= message.get("method") == "Page.loadEventFired"
         if message.get("method") in ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded"):
             self.said.append(message["params"])
+        if message.get("method") == "Network.requestWillBeSent":
+            self.fetched.append(message["params"]["request"]["url"])
         return message
 
     def value(self, expression):
