@@ -399,9 +399,7 @@ class SensorFault:
 class StudyTable:
     """What a study varies, and how many samples it draws of what is distributed; without axes, of the air alone."""
 
-    axes: Annotated[dict[str, Any] | None, "not empty"] = (
-        None  # absent = nothing is varied: every sample is one more flight
-    )
+    axes: dict[str, Any] | None = None  # absent = nothing is varied: every sample is one more flight
     samples: Annotated[int, Range(least=1)] = 1
     show: tuple[str, ...] = ()  # what the report draws; absent = figures of checks, or the usual ones, and of trackers
     theory: Literal["orbit", "energy", "gain", "limits"] | None = None  # what maps draw before they are flown
