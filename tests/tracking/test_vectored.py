@@ -31,7 +31,7 @@ from tracking.reference_path import Legs
 from tracking.track import follow
 from tracking.trackers.intent_imm import DECELERATION, IntentImm
 from tracking.trackers.saturated_control import SaturatedControl
-from tracking.vectored_switching import MANOEUVRE_STAY, RARELY, law_is_met
+from tracking.vectored_switching import MANOEUVRE_STAY, OVERDUE, RARELY, law_is_met
 
 VECTORED = IntentImm(NOMINAL, ONE_LEG, PLANE, vectored=True, limit_factors=(0.4, 1.0, 2.4), mean_stay=60.0)
 LATE = 4.0  # s, by which the crew arms the law too late
@@ -131,7 +131,10 @@ def test_modes_are_left_as_stated():
         return rates[of[source]][:, of[target]].sum(axis=1)
 
     stay = 1.0 / tracker.mean_stay
-    for rates, taken, left in ((met, stay, 1.0 / RARELY), (away, 1.0 / RARELY, 1.0 / MANOEUVRE_STAY)):
+    for rates, taken, left, given_up in (
+        (met, stay, 1.0 / RARELY, 1.0 / OVERDUE),
+        (away, 1.0 / RARELY, 1.0 / MANOEUVRE_STAY, stay),
+    ):
         for source, target, expected in (
             ("free", "law x", taken),
             ("free", OTHER.intent, taken),
@@ -142,7 +145,8 @@ def test_modes_are_left_as_stated():
             ("law x", "armed", 0.0),  # an autopilot that has captured its path does not wait for it again
             (OTHER.intent, "armed", 0.0),
             ("free", "armed", stay),
-            ("armed", "free", stay),
+            ("armed", "turn", 0.0 if rates is away else 0.5 * given_up),
+            ("armed", "free", given_up),
             ("even", "slowing", stay),
             ("slowing", "even", 1.0 / MANOEUVRE_STAY),
         ):

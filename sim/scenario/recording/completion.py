@@ -24,7 +24,7 @@ TRACKERS: dict[str, dict[str, Any]] = {
         "kind": "intent_imm",
         "vectored": True,
         "limit_factors": [0.4, 1.0, 2.4],
-        "mean_stay_s": 60.0,
+        "mean_stay_s": 45.0,
         "law_density_m2ps3": 0.1,
     },
     "saturated_control": {"kind": "saturated_control", "begins": "engaged", "acceleration_density_m2ps3": 3.0},
