@@ -64,7 +64,7 @@ class ConformanceTest:
         after = np.asarray(track.model_probabilities)
         before = np.full_like(after, 1.0 / len(names))
         steps = np.diff(track.time)[:, None, None]
-        before[1:] = tracker.switched(after[:-1], steps)
+        before[1:] = tracker.switched(after[:-1], steps, np.asarray(track.mean)[:-1])
         assumed = np.array([name == names[0] for name in names])
         with np.errstate(invalid="ignore"):  # a lost draw is a result
             evidence = _log_odds(after, assumed) - _log_odds(before, assumed)

@@ -286,7 +286,8 @@ def _names(trial: Trial) -> Iterator[str]:
         if names and len(names) != len(weights):
             yield f"{what} names {len(names)} hypotheses, estimate weighs {len(weights)}"
     if intents_of(tracker) and len(weights):
-        later = ask(tracker, "switched", np.asarray(weights)[None], np.full((1, 1, 1), LOOK))
+        mean = merge(last.estimate).mean
+        later = ask(tracker, "switched", np.asarray(weights)[None], np.full((1, 1, 1), LOOK), mean[None])
         if np.shape(later) != (1, *np.shape(weights)) or not np.allclose(np.sum(later, axis=1), 1.0, atol=1e-9):
             yield "switched gives no probabilities of the same hypotheses"
 

@@ -120,8 +120,9 @@ def merge(mixture: Mixture) -> Gaussian:
 def interact(mixture: Mixture, switching: Array) -> Mixture:
     """Mix hypotheses by their switching probabilities before a prediction [Volovyk 2022, eqs. (6), (22)-(23)].
 
-    Rows of ``switching`` (M, M) are "from", columns "to". The returned weights are the predicted ones. A hypothesis
-    whose predicted weight is zero, or so small that moments times it have no digits, keeps its own estimate.
+    Rows of ``switching`` (M, M), or (M, M, *B) where runs differ, are "from", columns "to". The returned
+    weights are the predicted ones. A hypothesis whose predicted weight is zero, or so small that moments times it have
+    no digits, keeps its own estimate.
 
     Erratum: printed the spread about the filtered mean of the target model, used the spread about its mixed mean,
     because a covariance is taken about the mean that goes with it.
@@ -153,6 +154,8 @@ def interact(mixture: Mixture, switching: Array) -> Mixture:
 
 def _switched(switching: Array, values: Array) -> Array:
     """Sum over the hypotheses i before of ``theta_ij`` times their values (r, M, *B), for each j after."""
+    if switching.ndim > 2:
+        return np.einsum("ij...,ri...->rj...", switching, values)
     r, M = values.shape[:2]
     return (switching.T @ values.reshape(r, M, -1)).reshape(values.shape)
 

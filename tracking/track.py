@@ -221,7 +221,8 @@ def intents_of(tracker: Any) -> tuple[str, ...]:
     """Whom each hypothesis of a tracker says the aircraft follows, the assumed law first; () = it says nothing of that.
 
     One among them that is `ARMED` says that the law need not be flown from the start. A tracker that has intents also
-    answers ``switched(probabilities (k, M, *B), dt (k, 1, 1) s)``: what they are dt later before anything is measured.
+    answers ``switched(probabilities (k, M, *B), dt (k, 1, 1) s, mean (k, n, *B))``: what they are dt later, from these
+    estimates, before anything is measured.
     """
     return tuple(getattr(tracker, "intents", ()))
 

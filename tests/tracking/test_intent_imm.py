@@ -140,11 +140,16 @@ def test_certain_of_one_law_it_is_the_filter_of_that_law():
 
 def test_switching_does_not_depend_on_the_step():
     """Rows sum to one, ten short steps are one long one, and a mode is left at the stated rate."""
-    short, long = (ON_LINE._switching(dt) for dt in (0.4, 4.0))
+    everywhere = np.eye(len(ON_LINE.modes))
+
+    def switching(dt):
+        return ON_LINE.switched(everywhere, dt, None)
+
+    short, long = (switching(dt) for dt in (0.4, 4.0))
     np.testing.assert_allclose(np.linalg.matrix_power(short, 10), long, atol=1e-14)
     np.testing.assert_allclose(long.sum(axis=1), 1.0, rtol=1e-14)
     tiny = 1e-6
-    assert (1.0 - ON_LINE._switching(tiny)[0, 0]) / tiny == pytest.approx(1.0 / ON_LINE.mean_stay, rel=1e-4)
+    assert (1.0 - switching(tiny)[0, 0]) / tiny == pytest.approx(1.0 / ON_LINE.mean_stay, rel=1e-4)
 
 
 def test_every_law_of_the_bank_converges():

@@ -110,7 +110,7 @@ def test_a_wrong_answer_is_told_in_one_line(sentence):
 
 def test_names_of_hypotheses_are_as_many_as_there_are():
     assert told(InteractingMultipleModel, modes=("straight",)) == ["modes names 1 hypotheses, estimate weighs 4"]
-    named = {"intents": ("law", "law", "manual", "manual"), "switched": lambda self, weights, dt: weights[:, :2]}
+    named = {"intents": ("law", "law", "manual", "manual"), "switched": lambda self, weights, dt, mean: weights[:, :2]}
     assert told(InteractingMultipleModel, **named) == ["switched gives no probabilities of the same hypotheses"]
 
 

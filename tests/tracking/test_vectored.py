@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from autopilot.modes.radio_beacon import RadioBeacon
 from sim.estimation.trial import maker
 from tests.tracking.law_truth import (
     CROSS_TRACK,
@@ -26,9 +27,11 @@ from tracking.conformance import ConformanceTest
 from tracking.contract import broken_promises
 from tracking.gaussian import Gaussian, Mixture
 from tracking.law_bank import LawBank
+from tracking.reference_path import Legs
 from tracking.track import follow
-from tracking.trackers.intent_imm import DECELERATION, MANOEUVRE_STAY, IntentImm
+from tracking.trackers.intent_imm import DECELERATION, IntentImm
 from tracking.trackers.saturated_control import SaturatedControl
+from tracking.vectored_switching import MANOEUVRE_STAY, OVERDUE, RARELY, law_is_met
 
 VECTORED = IntentImm(NOMINAL, ONE_LEG, PLANE, vectored=True, limit_factors=(0.4, 1.0, 2.4), mean_stay=60.0)
 LATE = 4.0  # s, by which the crew arms the law too late
@@ -93,26 +96,95 @@ def test_the_heading_is_held_until_the_law_turns_towards_the_course():
     assert flown(1000.0, -60.0, speed=-100.0) == 0.0  # it flies away from the end of the leg
 
 
-def test_modes_are_left_as_stated():
-    """Semigroup; manoeuvres are left sooner; no law is left for being armed, which free flight may be."""
-    short, long = (VECTORED._switching(dt) for dt in (0.4, 4.0))
+OTHER = RadioBeacon(6.0, 1.2, math.radians(15.0), math.radians(5.0))
+ON_PATH, BESIDE = ((0.0, 100.0, offset, 0.0) for offset in (20.0, 2000.0))  # along the leg, to the right of it
+
+
+def switching(tracker, place, dt):
+    """Probabilities (M, M) of its switching over dt at an estimate; rows are "from"."""
+    count = len(tracker.modes)
+    mean = np.tile(np.array(place)[None, :, None], (count, 1, 1))
+    return tracker.switched(np.eye(count)[:, :, None], dt, mean)[:, :, 0]
+
+
+@pytest.mark.parametrize("place", [ON_PATH, BESIDE], ids=["met", "away"])
+def test_the_switching_is_a_semigroup(place):
+    short, long = (switching(VECTORED, place, dt) for dt in (0.4, 4.0))
     np.testing.assert_allclose(np.linalg.matrix_power(short, 10), long, atol=1e-14)
     np.testing.assert_allclose(long.sum(axis=1), 1.0, rtol=1e-14)
+
+
+def test_modes_are_left_as_stated():
+    """Rates by hand, at the line (law at 0.4 deg) and 2 km beside it, where it would bank to its limit."""
+    tracker = replace(VECTORED, alternative_laws=(OTHER,))
     tiny = 1e-6
-    left = dict(zip(VECTORED.modes, (1.0 - np.diag(VECTORED._switching(tiny))) / tiny, strict=True))
-    for mode, rate in left.items():
-        manoeuvre = "slowing" in mode or "turn" in mode
-        assert rate == pytest.approx(1.0 / (MANOEUVRE_STAY if manoeuvre else VECTORED.mean_stay), rel=1e-4), mode
-    armed = VECTORED.modes.index("law armed")
-    into = VECTORED._switching(tiny)[:, armed] / tiny
-    laws = ["law x" in mode for mode in VECTORED.modes]
-    assert into[laws] == pytest.approx(0.0, abs=1e-6)
-    assert (into[[mode in VECTORED._free for mode in VECTORED.modes]] > 1e-3).all()
-    # over several epochs at once as over each by itself
+    met, away = ((switching(tracker, place, tiny) - np.eye(len(tracker.modes))) / tiny for place in (ON_PATH, BESIDE))
+    of = {
+        name: [name in mode for mode in tracker.modes] for name in ("law x", "slowing", "armed", OTHER.intent, "turn")
+    }
+    of["even"] = [mode.startswith("law x") and "slowing" not in mode for mode in tracker.modes]
+    of["slowing"] = ["law x" in mode and "slowing" in mode for mode in tracker.modes]
+    of["free"] = [mode in tracker._free for mode in tracker.modes]
+
+    def rate(rates, source, target):
+        """For each hypothesis of the one, into all of the other."""
+        return rates[of[source]][:, of[target]].sum(axis=1)
+
+    stay = 1.0 / tracker.mean_stay
+    for rates, taken, left, given_up in (
+        (met, stay, 1.0 / RARELY, 1.0 / OVERDUE),
+        (away, 1.0 / RARELY, 1.0 / MANOEUVRE_STAY, stay),
+    ):
+        for source, target, expected in (
+            ("free", "law x", taken),
+            ("free", OTHER.intent, taken),
+            ("armed", "law x", taken),
+            ("armed", OTHER.intent, 0.0),
+            ("law x", "free", left),
+            (OTHER.intent, "free", left),
+            ("law x", "armed", 0.0),  # an autopilot that has captured its path does not wait for it again
+            (OTHER.intent, "armed", 0.0),
+            ("free", "armed", stay),
+            ("armed", "turn", 0.0 if rates is away else 0.5 * given_up),
+            ("armed", "free", given_up),
+            ("even", "slowing", stay),
+            ("slowing", "even", 1.0 / MANOEUVRE_STAY),
+        ):
+            np.testing.assert_allclose(rate(rates, source, target), expected, rtol=1e-4, atol=1e-8, err_msg=source)
+
+
+def test_several_epochs_are_switched_as_each_by_itself():
     rng = np.random.default_rng(3)
     before = rng.dirichlet(np.ones(len(VECTORED.modes)), (3, 2)).swapaxes(1, 2)
-    after = VECTORED.switched(before, np.array([4.0, 1.0, 4.0])[:, None, None])
-    np.testing.assert_allclose(after[1], VECTORED._switching(1.0).T @ before[1], rtol=1e-12)
+    mean = np.tile(np.array(ON_PATH)[None, :, None], (3, 1, 2))
+    mean[1, :, 1] = BESIDE
+    after = VECTORED.switched(before, np.array([4.0, 1.0, 4.0])[:, None, None], mean)
+    np.testing.assert_allclose(after[1, :, 0], switching(VECTORED, ON_PATH, 1.0).T @ before[1, :, 0], rtol=1e-12)
+    np.testing.assert_allclose(after[1, :, 1], switching(VECTORED, BESIDE, 1.0).T @ before[1, :, 1], rtol=1e-12)
+
+
+def test_a_law_is_met_where_it_asks_for_less_than_all_its_bank():
+    """By hand: 0.02 z + 0.5 z' deg, whatever the limit of the intercept, against 20 deg; the leg runs north.
+
+    On a heading the law is met before the line, where it would begin to turn.
+    """
+    places = np.array([(999.0, 0.0), (1001.0, 0.0), (2490.0, -60.0), (2510.0, -60.0), (510.0, -60.0), (490.0, -60.0)]).T
+    mean = np.array([0.0 * places[0], 0.0 * places[0] + 80.0, places[0], places[1]])
+    found = law_is_met(NOMINAL, NOMINAL.intercept, Legs(ONE_LEG, NOMINAL.bank_limit), np.zeros(6, int), mean)
+    assert found.tolist() == [True, False, True, False, True, False]
+
+
+def test_the_step_switches_each_run_by_its_own_place():
+    """Two runs, one on the path: each as if it were alone, and the probabilities as `switched` has them."""
+    mean = np.array((ON_PATH, BESIDE)).T
+    state = VECTORED.begin(Gaussian(mean, np.diag([1e4, 25.0, 1e4, 25.0])))
+    after = VECTORED.step(state, 4.0, None, None)[0].mixture.weights
+    for run, place in enumerate((ON_PATH, BESIDE)):
+        alone = VECTORED.begin(Gaussian(mean[:, [run]], np.diag([1e4, 25.0, 1e4, 25.0])))
+        expected = switching(VECTORED, place, 4.0).T @ state.mixture.weights[:, run]
+        np.testing.assert_allclose(after[:, run], expected, rtol=1e-12)
+        found = VECTORED.step(alone, 4.0, None, None)[0].mixture.weights[:, 0]
+        np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
 def test_half_of_the_laws_slow_down_along_their_own_course():
@@ -164,7 +236,6 @@ def test_knows_a_turn_at_the_limit_and_a_change_of_speed():
         share(found, "slowing")[rows].mean() / share(found, "straight")[rows].mean()
         for rows in (slice(5, 10), slice(22, None))
     )
-    assert after > 1.0
     assert after > 3.0 * before
 
 
@@ -213,12 +284,14 @@ def test_begins_is_one_of_two_words():
 def test_the_alert_of_an_armed_law_waits_until_the_law_is_believed():
     """Against the law from the first look: no alarm before it has been more probable than not for 40 s on end."""
     tracker = SimpleNamespace(
-        intents=("route law", "armed", "manual"), switched=lambda probabilities, dt: probabilities
+        intents=("route law", "armed", "manual"), switched=lambda probabilities, dt, mean: probabilities
     )
     looks = [(1.0, 9.0, 1.0)] * 5 + [(9.0, 1.0, 1.0)] * 21 + [(1.0, 9.0, 1.0)] * 6
     weights = np.cumprod(np.array(looks), axis=0)
     weights /= weights.sum(axis=1, keepdims=True)
-    made = SimpleNamespace(time=4.0 * np.arange(len(looks)), model_probabilities=weights[:, :, None])
+    made = SimpleNamespace(
+        time=4.0 * np.arange(len(looks)), model_probabilities=weights[:, :, None], mean=weights[:, :, None]
+    )
     watched = ConformanceTest(100.0).watch(tracker, made)
     believed = watched.belief["route law"][:, 0] > 0.5
     assert believed.tolist() == [False] * 10 + [True] * 22

@@ -28,8 +28,8 @@ from tracking.reference_path import (
 from tracking.track import ARMED, MANUAL
 from tracking.trackers import saturated_control
 from tracking.trackers.imm import ModelSet, improved_set, transitions
+from tracking.vectored_switching import Rates, VectoredSwitching, law_is_met, vectored_switching
 
-MANOEUVRE_STAY = 20.0  # s, of a turn or a change of speed under vectors: 60 deg of course, or 8 m/s
 DENSITIES = ("law_density", "straight_density", "manoeuvre_density")
 DECELERATION = 0.4  # m/s2, of an airliner that slows down: the 35 kt of an approach within 45 s
 
@@ -65,8 +65,8 @@ class IntentImm:
     aircraft towards the course of the leg.
 
     Model probabilities are in the order of `modes`. Modes are left at a rate of 1 / ``mean_stay`` for any other mode
-    alike, whatever the time between steps. Under vectors, turns and changes of speed are left at 1 / `MANOEUVRE_STAY`,
-    and no law is left for being armed: an autopilot that has captured its path does not wait for it again.
+    alike, whatever the time between steps. Under vectors a law is taken up where it is met, and rarely left there:
+    `vectored_switching`.
     """
 
     law: Annotated[Any, "given"]
@@ -194,7 +194,7 @@ class IntentImm:
         return state.mixture
 
     def _predict(self, state: Intent, dt: float) -> Intent:
-        weights, mean, cov = interact(state.mixture, self._switching(dt))
+        weights, mean, cov = interact(state.mixture, self._switching(state, dt))
         laws = self._laws
         flown, place = self._fly(Mixture(weights[:laws], mean[:, :laws], cov[:, :, :laws]), state.place, dt)
         free = self._coast(Gaussian(mean[:, laws:], cov[:, :, laws:]), dt)
@@ -203,30 +203,50 @@ class IntentImm:
         covs = [np.broadcast_to(part.cov, (*part.cov.shape[:3], *shape)) for part in (flown, free)]
         return Intent(Mixture(weights, means, np.concatenate(covs, axis=2)), place)
 
-    def switched(self, probabilities: Any, dt: Any) -> Any:
-        """Model probabilities (k, M, *B) dt (s), a number or (k, 1, 1), later, before anything is measured."""
+    def _switching(self, state: Intent, dt: float) -> Any:
+        """Switching probabilities (M, M) over dt, a semigroup; under vectors (M, M, *B), each run by where it is."""
+        if not self.vectored:
+            return _exponential(self._rates, dt)
+        mean = np.einsum("m...,im...->i...", state.mixture.weights, state.mixture.mean)
+        met = self._is_met(state.place, mean)
+        return np.where(met, *(lift(_exponential(rates, dt), 2, met.ndim) for rates in self._vectored_rates))
+
+    def switched(self, probabilities: Any, dt: Any, mean: Any) -> Any:
+        """Model probabilities (k, M, *B) dt (s), a number or (k, 1, 1), later, before anything is measured.
+
+        ``mean`` (k, n, *B) is the estimate that goes with them.
+        """
         if np.ndim(dt) == 0:
-            return np.einsum("km...,mj->kj...", probabilities, self._switching(float(dt)))
+            return self._switched(probabilities, float(dt), mean)
         after = np.empty_like(probabilities)
         for step in np.unique(dt):
             rows = np.ravel(dt) == step
-            after[rows] = self.switched(probabilities[rows], step)
+            after[rows] = self._switched(probabilities[rows], float(step), mean[rows])
         return after
 
-    def _switching(self, dt: float) -> Any:
-        """Switching probabilities over dt, a semigroup; rows are "from"."""
-        return _exponential(self._rates, dt)
+    def _switched(self, probabilities: Any, dt: float, mean: Any) -> Any:
+        def later(rates: Rates) -> Any:
+            return np.einsum("km...,mj->kj...", probabilities, _exponential(rates, dt))
+
+        if not self.vectored:
+            return later(self._rates)
+        mean = np.moveaxis(mean, 1, 0)
+        met = self._is_met(self._path.begin(mean), mean)
+        return np.where(met[:, None], *map(later, self._vectored_rates))
+
+    def _is_met(self, place: Any, mean: Any) -> Any:
+        """(*B) bool: whether the mean (n, *B) is where the assumed law is met."""
+        return law_is_met(self.law, self.law.intercept, self._path, place, mean)
 
     @cached_property
-    def _rates(self) -> tuple[tuple[float, ...], ...]:
+    def _rates(self) -> Rates:
         """Rates (M, M), 1/s, of the switching; rows are "from"."""
-        leave, into = np.full(len(self.modes), 1.0 / self.mean_stay), 1.0 - np.eye(len(self.modes))
-        if self.vectored:
-            count, armed = len(self.limit_factors), len(self._factors) - 1
-            leave[count:armed] = leave[1 - len(self._free) :] = 1.0 / MANOEUVRE_STAY
-            into[: self._laws, armed] = 0.0
-        rates = leave[:, None] * into / into.sum(axis=1, keepdims=True)
+        rates = 1.0 / self.mean_stay * (1.0 - np.eye(len(self.modes))) / (len(self.modes) - 1.0)
         return tuple(map(tuple, rates - np.diag(rates.sum(axis=1))))
+
+    @cached_property
+    def _vectored_rates(self) -> VectoredSwitching:
+        return vectored_switching(len(self.limit_factors), len(self.alternative_laws), self._vectors, self.mean_stay)
 
     def _fly(self, laws: Mixture, place: Any, dt: float) -> tuple[Gaussian, Any]:
         """Every law by itself, all from the place on the path that their common estimate has."""
@@ -269,6 +289,6 @@ class IntentImm:
 
 
 @lru_cache(maxsize=256)
-def _exponential(rates: tuple[tuple[float, ...], ...], dt: float) -> Any:
+def _exponential(rates: Rates, dt: float) -> Any:
     """Probabilities (M, M) of the transitions over dt (s) of a chain with these rates (1/s)."""
     return expm(np.array(rates) * dt)

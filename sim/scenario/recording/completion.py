@@ -20,7 +20,13 @@ SENSORS = {"radar": {"kind": "surveillance_radar", "height": "mode_c"}}
 TRACKERS: dict[str, dict[str, Any]] = {
     "kalman": {"kind": "kalman", "acceleration_density_m2ps3": 3.0},
     "imm": {"kind": "imm"},
-    "intent_imm": {"kind": "intent_imm", "vectored": True, "limit_factors": [0.4, 1.0, 2.4], "mean_stay_s": 60.0},
+    "intent_imm": {
+        "kind": "intent_imm",
+        "vectored": True,
+        "limit_factors": [0.4, 1.0, 2.4],
+        "mean_stay_s": 45.0,
+        "law_density_m2ps3": 0.1,
+    },
     "saturated_control": {"kind": "saturated_control", "begins": "engaged", "acceleration_density_m2ps3": 3.0},
 }
 LONGEST_NAME = 50  # characters of a scenario's name that a flight gives it

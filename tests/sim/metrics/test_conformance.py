@@ -25,7 +25,7 @@ class Frozen:
 
     intents = INTENTS
 
-    def switched(self, probabilities, dt):
+    def switched(self, probabilities, dt, mean):
         return probabilities
 
 
@@ -33,7 +33,9 @@ def record(likelihoods):
     """The probabilities by Bayes' rule from a likelihood of each hypothesis at each look (k, 4)."""
     weights = np.cumprod(np.array(likelihoods, float), axis=0)
     weights /= weights.sum(axis=1, keepdims=True)
-    return SimpleNamespace(time=np.arange(1.0, len(weights) + 1.0), model_probabilities=weights[:, :, None])
+    return SimpleNamespace(
+        time=np.arange(1.0, len(weights) + 1.0), model_probabilities=weights[:, :, None], mean=weights[:, :, None]
+    )
 
 
 def test_the_sum_is_the_log_likelihood_ratio_since_it_last_spoke_for_the_told_law():
@@ -74,15 +76,15 @@ def test_while_the_law_is_flown_alarms_are_rarer_than_stated():
     density = np.stack([np.exp(-0.5 * (z - shift) ** 2) for shift in (0.0, 0.0, 1.0, 1.0)], axis=1)
 
     class Switching(Frozen):
-        def switched(self, probabilities, dt):
+        def switched(self, probabilities, dt, mean):
             return 0.98 * probabilities + 0.02 / 4
 
     weights, before = [], np.full((4, 400), 0.25)
     for look in density:
         after = before * look
         weights.append(after / after.sum(axis=0))
-        before = Switching().switched(weights[-1], 1.0)
-    made = SimpleNamespace(time=np.arange(400.0), model_probabilities=np.array(weights))
+        before = Switching().switched(weights[-1], 1.0, None)
+    made = SimpleNamespace(time=np.arange(400.0), model_probabilities=np.array(weights), mean=np.zeros(400))
     watched = ConformanceTest(looks_between_false_alarms=100.0).watch(Switching(), made)
     begun = np.diff(watched.alarm.astype(int), axis=0) == 1
     assert 0.1 < begun.sum(axis=0).mean() <= 4.0
