@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 import typing
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -49,6 +50,14 @@ class Range:
         given = ((name, told, getattr(self, name)) for name, (told, _) in HOLDS.items())
         return tuple((name, told, float(f"{one / factor:.12g}")) for name, told, one in given if one is not None)
 
+    def keeper(self, factor: float = 1.0) -> Callable[[float], bool]:
+        """What says quickly of a number in the unit of ``factor`` whether it is within the range."""
+        limits = {name: limit for name, _, limit in self.limits(factor)}
+        above, below = limits.get("above", -math.inf), limits.get("below", math.inf)
+        least, most = limits.get("least", -math.inf), limits.get("most", math.inf)
+        least, most = least - ROUNDING * abs(least), most + ROUNDING * abs(most)
+        return lambda number: above < number < below and least <= number <= most
+
     def words(self, factor: float = 1.0) -> str:
         """``above 0, at most 60``."""
         return ", ".join(f"{told} {shown(limit)}" for _, told, limit in self.limits(factor))
@@ -85,11 +94,11 @@ def range_of(hint: Any) -> Range | None:
 
 
 @functools.cache
-def _ranges(cls: Any) -> tuple[tuple[str, Range], ...]:
-    """Fields of a dataclass that have a range."""
+def _ranges(cls: Any) -> tuple[tuple[str, Range, Callable[[float], bool]], ...]:
+    """Fields of a dataclass that have a range, with what says quickly whether a number is within it."""
     hints = typing.get_type_hints(cls, include_extras=True)
     found = ((field.name, range_of(hints[field.name])) for field in dataclasses.fields(cls))
-    return tuple((name, one) for name, one in found if one is not None)
+    return tuple((name, one, one.keeper()) for name, one in found if one is not None)
 
 
 def check_ranges(instance: Any) -> None:
@@ -97,9 +106,15 @@ def check_ranges(instance: Any) -> None:
 
     Raises ``ValueError`` in words.
     """
-    for name, one in _ranges(instance.__class__):
+    for name, one, keeps in _ranges(instance.__class__):
         value = getattr(instance, name)
-        if value is not None and (fault := one.fault(_numbers(value))) is not None:
+        if (
+            value is None
+            or (type(value) is float and keeps(value))
+            or (type(value) is tuple and all(map(keeps, value)))
+        ):
+            continue
+        if (fault := one.fault(_numbers(value))) is not None:
             raise ValueError(f"{name.rstrip('_')} {fault}")
 
 

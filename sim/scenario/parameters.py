@@ -93,9 +93,11 @@ def _limited(number: type, unit: str | None, factor: float, limits: Range) -> An
     most = MOST if number is int else most
     extra = {JSON_LIMITS[name]: number(limit) for name, _, limit in limits.limits(factor)}
 
+    keeps = limits.keeper(factor)
+
     def kept(value: float) -> float:
-        if (fault := limits.fault(value, factor)) is not None:
-            raise ValueError(fault)
+        if not keeps(value):
+            raise ValueError(limits.fault(value, factor))
         if number is float and value != 0.0 and abs(value) < least:
             raise ValueError(f"must be 0 or at least {least:g} in size")
         return value
