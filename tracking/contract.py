@@ -281,12 +281,12 @@ def _names(trial: Trial) -> Iterator[str]:
     """The hypotheses, where it names them."""
     tracker, record, prior = trial
     *_, last = follow(tracker, record, prior)
-    weights = last.estimate.weights if isinstance(last.estimate, Mixture) else ()
+    estimate = last.estimate
+    weights, mean = (estimate.weights, merge(estimate).mean) if isinstance(estimate, Mixture) else ((), estimate.mean)
     for what, names in (("modes", modes_of(tracker)), ("intents", intents_of(tracker))):
         if names and len(names) != len(weights):
             yield f"{what} names {len(names)} hypotheses, estimate weighs {len(weights)}"
     if intents_of(tracker) and len(weights):
-        mean = merge(last.estimate).mean
         later = ask(tracker, "switched", np.asarray(weights)[None], np.full((1, 1, 1), LOOK), mean[None])
         if np.shape(later) != (1, *np.shape(weights)) or not np.allclose(np.sum(later, axis=1), 1.0, atol=1e-9):
             yield "switched gives no probabilities of the same hypotheses"
