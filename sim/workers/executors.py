@@ -26,6 +26,7 @@ from sim.workers.partners import LOOK, Watch
 ATTEMPTS = 3  # a flight whose worker aborts as often is at fault itself
 KILLS = 30  # a worker that is killed from outside is not its flight's fault, unless it happens this often
 FLIGHT_TIME_LIMIT = 600.0  # s of processor time; the longest flight of 1800 s takes a small part of it
+UNTAKEN = 120.0  # s; a worker that has not taken its job by then never will: one starts in seconds
 CLOCK_FACTOR = 10.0  # times as long on the clock: a busy machine is not the model's fault, but what waits must end
 MEMORY_LIMIT = 4 << 30  # bytes of address space of one worker
 LEAST_MEMORY = 600 << 20  # in which flights with a few trackers fit; measured: 500 MB are enough for the bundled ones
@@ -140,6 +141,22 @@ class Worker(NamedTuple):
         return self.said.read()
 
 
+class Held(NamedTuple):
+    """A job in the hands of a worker."""
+
+    worker: Worker
+    job: Job
+    since: float  # s, by the monotonic clock
+
+    def is_lost(self, future: Future[Any]) -> bool:
+        """Whether its worker has gone without a word.
+
+        A pool replaces a worker that left in good order while it took the job, and then waits for ever.
+        """
+        waits = time.monotonic() - self.since
+        return not self.worker.pool.active or (not future.running() and waits > UNTAKEN)
+
+
 @dataclass(frozen=True)
 class LocalExecutor:
     """Spawned processes with one BLAS thread each.
@@ -152,7 +169,7 @@ class LocalExecutor:
     time_limit: float = FLIGHT_TIME_LIMIT
     memory_limit: int = MEMORY_LIMIT
     _waiting: deque[Job] = field(default_factory=deque, repr=False)
-    _running: dict[Future[Any], tuple[Worker, Job]] = field(default_factory=dict, repr=False)
+    _running: dict[Future[Any], Held] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         if self.workers < 1:
@@ -171,8 +188,8 @@ class LocalExecutor:
             done, pending = wait(self._running, timeout=LOOK, return_when=FIRST_COMPLETED)
             if not done:
                 stopped.look(child.pid for child in multiprocessing.active_children() if child.pid is not None)
-            for future in done | {future for future in pending if not self._running[future][0].pool.active}:
-                worker, job = self._running.pop(future)
+            for future in done | {future for future in pending if self._running[future].is_lost(future)}:
+                worker, job, _ = self._running.pop(future)
                 ended, alive = self._ending(job, future, worker)
                 if alive:
                     self._start(worker)
@@ -186,8 +203,8 @@ class LocalExecutor:
     def close(self) -> None:
         """End all workers now."""
         self._waiting.clear()
-        for worker, _ in self._running.values():
-            worker.stop()
+        for held in self._running.values():
+            held.worker.stop()
         self._running.clear()
 
     def _worker(self) -> Worker:
@@ -210,8 +227,14 @@ class LocalExecutor:
             return
         job = self._waiting.popleft()
         call = self.time_limit, job.function, job.arguments
-        future = worker.pool.schedule(limited, args=call, timeout=CLOCK_FACTOR * self.time_limit)
-        self._running[future] = (worker, job)
+        try:
+            future = worker.pool.schedule(limited, args=call, timeout=CLOCK_FACTOR * self.time_limit)
+        except RuntimeError:  # it died between two jobs
+            worker.stop()
+            self._waiting.appendleft(job)
+            self._start(self._worker())
+        else:
+            self._running[future] = Held(worker, job, time.monotonic())
 
     def _ending(self, job: Job, future: Future[Any], worker: Worker) -> tuple[Any, bool]:
         """The result of a job, None where it is tried again; and whether its worker lives."""

@@ -75,6 +75,38 @@ def test_a_job_that_waits_is_not_said_to_compute():
     assert ended(executor) == {0: Lost("no answer for 1 s, most of which it did not compute")}
 
 
+def leave_once(file):
+    """In good order, while the job is read; the next time the job can be read."""
+    if not file.exists():
+        file.touch()
+        os._exit(0)
+    return 5
+
+
+class LeavesWhileRead:
+    def __init__(self, file):
+        self.file = file
+
+    def __reduce__(self):
+        return leave_once, (self.file,)
+
+
+def test_a_job_whose_worker_left_without_a_word_is_done_by_another(tmp_path, monkeypatch):
+    monkeypatch.setattr(executors, "UNTAKEN", 4.0)  # more than a start takes; on a slow machine it is tried again
+    executor = LocalExecutor()
+    executor.submit(0, operator.add, LeavesWhileRead(tmp_path / "seen"), 3)
+    assert ended(executor) == {0: 8}
+
+
+def test_a_worker_that_died_between_two_jobs_is_replaced():
+    executor = LocalExecutor()
+    worker = executor._worker()
+    worker.pool.stop()
+    executor.submit(0, operator.add, 1, 2)
+    executor._start(worker)
+    assert ended(executor) == {0: 3}
+
+
 def test_workers_have_one_thread_and_leave_the_environment_alone(monkeypatch):
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
     executor = LocalExecutor()
