@@ -242,6 +242,8 @@ class LocalExecutor:
 
         from pebble import ProcessExpired
 
+        if not future.done() and worker.pool.active:
+            return self._again(job._replace(aborts=job.aborts + 1), "each left without a word"), False
         if not future.done():  # the worker died before it knew its job
             return self._again(job._replace(kills=job.kills + 1)), False
         try:

@@ -84,18 +84,29 @@ def leave_once(file):
 
 
 class LeavesWhileRead:
-    def __init__(self, file):
-        self.file = file
+    """As a worker does that finds half a file of byte code: ``EOFError`` ends it in good order."""
+
+    def __init__(self, *call):
+        self.call = call
 
     def __reduce__(self):
-        return leave_once, (self.file,)
+        function, *arguments = self.call
+        return function, tuple(arguments)
 
 
 def test_a_job_whose_worker_left_without_a_word_is_done_by_another(tmp_path, monkeypatch):
     monkeypatch.setattr(executors, "UNTAKEN", 4.0)  # more than a start takes; on a slow machine it is tried again
     executor = LocalExecutor()
-    executor.submit(0, operator.add, LeavesWhileRead(tmp_path / "seen"), 3)
+    executor.submit(0, operator.add, LeavesWhileRead(leave_once, tmp_path / "seen"), 3)
     assert ended(executor) == {0: 8}
+
+
+def test_a_job_at_which_every_worker_leaves_is_given_up(monkeypatch):
+    monkeypatch.setattr(executors, "UNTAKEN", 2.0)
+    monkeypatch.setattr(executors, "ATTEMPTS", 1)
+    executor = LocalExecutor()
+    executor.submit(0, operator.add, LeavesWhileRead(os._exit, 0), 3)
+    assert ended(executor) == {0: Lost("its worker process died 1 times (each left without a word)")}
 
 
 def test_a_worker_that_died_between_two_jobs_is_replaced():
