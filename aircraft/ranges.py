@@ -108,14 +108,20 @@ def check_ranges(instance: Any) -> None:
     """
     for name, one, keeps in _ranges(instance.__class__):
         value = getattr(instance, name)
-        if (
-            value is None
-            or (type(value) is float and keeps(value))
-            or (type(value) is tuple and all(map(keeps, value)))
-        ):
+        quickly = QUICKLY.get(type(value))
+        if value is None or (quickly is not None and quickly(keeps, value)):
             continue
         if (fault := one.fault(_numbers(value))) is not None:
             raise ValueError(f"{name.rstrip('_')} {fault}")
+
+
+QUICKLY: dict[type, Callable[[Callable[[float], bool], Any], bool]] = {
+    float: lambda keeps, value: keeps(value),
+    int: lambda keeps, value: keeps(value),
+    tuple: lambda keeps, value: all(map(keeps, value)),
+    dict: lambda keeps, value: all(map(keeps, value.values())),
+}
+"""Whether what a parameter of a type holds is within its range."""
 
 
 def _numbers(value: Any) -> Any:
