@@ -9,18 +9,20 @@ import numpy as np
 
 from tracking.reference_path import Law
 
+MISSED = 60.0  # s since an aircraft met its path on the course that it has: the law will not take it back any more
 LARGEST_INTERCEPT = math.radians(120.0)  # of the course from the leg's: beyond it an aircraft flies away, and waits
 
 
 class LawBank(NamedTuple):
-    """The assumed law with its limits over an axis of hypotheses; in the last of them it is armed, or others fly.
+    """The assumed law with its limits over an axis of hypotheses; in the last ones it is armed, or others fly.
 
     An armed law is not yet flown: the heading is held until the law turns the aircraft towards the course of the leg.
-    From there on it is followed wherever it does that.
+    From there on it is followed wherever it does that, unless the path has long been missed: one who flies beside it or
+    away from it, as to another runway, waits for no law.
     """
 
     assumed: Law
-    armed: bool  # whether the hypothesis before those of the others is
+    armed: int  # how many of the hypotheses before those of the others are
     others: tuple[Law, ...]
     batch: int  # axes of runs behind that of the hypotheses
 
@@ -33,10 +35,12 @@ class LawBank(NamedTuple):
         """Bank, rad, of every hypothesis."""
         banks = self.assumed(deviation)
         first = banks.shape[-1 - self.batch] - len(self.others)
-        if self.armed:
-            which, own = self._one(first - 1, deviation)
+        for number in range(first - self.armed, first):
+            which, own = self._one(number, deviation)
             error = own.track_error
-            engages = (banks[which] * error < 0.0) & (np.abs(error) < LARGEST_INTERCEPT)
+            beyond = own.cross_track * np.sign(own.cross_track_rate)  # m, below 0 before the path is met
+            may_be = beyond < MISSED * np.abs(own.cross_track_rate)
+            engages = (banks[which] * error < 0.0) & (np.abs(error) < LARGEST_INTERCEPT) & may_be
             banks[which] = np.where(engages, banks[which], 0.0)
         for number, law in enumerate(self.others, first):
             which, own = self._one(number, deviation)

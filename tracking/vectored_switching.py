@@ -15,8 +15,8 @@ import numpy as np
 from tracking.reference_path import Law, ReferencePath
 from tracking.trackers.imm import ModelSet
 
-MANOEUVRE_STAY = 20.0  # s, of a change of speed under a law, 8 m/s, and of a law away from its path
 OVERDUE = 10.0  # s, for which an armed law is waited for where it should turn the aircraft: crews are some seconds late
+MANOEUVRE_STAY = 20.0  # s, of a change of speed under a law, 8 m/s, and of a law away from its path
 # s, in which what is rare comes about once: an established aircraft leaves its law, or one takes it up away from its
 # path. One approach of 200 s in 18 would be broken off so; one to three in a thousand are [Flight Safety Foundation,
 # Go-Around Safety Forum, 2013, finding 1]. A tracker has to be warier, as it has to see those.
@@ -28,8 +28,8 @@ Rates = tuple[tuple[float, ...], ...]  # (M, M) 1/s; rows are "from"
 class VectoredSwitching(NamedTuple):
     """Rates where the law is met, and away from there.
 
-    The hypotheses are in the order of `IntentImm.modes`: the law by its limits at an even speed, slowing down, armed,
-    other laws, free flight.
+    The hypotheses are in the order of `IntentImm.modes`: the law by its limits at an even speed, slowing down, armed at
+    an even speed and slowing down, other laws, free flight.
     """
 
     met: Rates
@@ -39,33 +39,40 @@ class VectoredSwitching(NamedTuple):
 def vectored_switching(limits: int, others: int, free: ModelSet, mean_stay: float) -> VectoredSwitching:
     """The rates for so many limits of the assumed law and so many other laws; ``mean_stay`` in s.
 
-    - Free flight, whose first model is straight, changes among its models as their set says.
+    - Free flight, whose first models are straight at an even speed and slowing down, changes among its models as their
+      set says. So does armed flight, which is straight flight at first, and ends in the same turns.
     - From free flight the law is armed after ``mean_stay`` on average, and any law is taken up: where the law is met
       after ``mean_stay``, else after `RARELY`. None of a law's hypotheses is preferred.
     - An armed law is taken up likewise. Else it is given up: where it is met after `OVERDUE`, as the aircraft flies
-      anything else, elsewhere after ``mean_stay``, as it flies on straight.
+      anything else, elsewhere after ``mean_stay``, as it flies on.
     - A law is left for free flight: where it is met after `RARELY`, else after `MANOEUVRE_STAY`.
     - Under the assumed law an even speed ends after ``mean_stay``, slowing down after `MANOEUVRE_STAY`; its limit stays
       what it is.
     """
     if free.period is None:
         raise ValueError("free flight needs a set whose switching holds over a period")
-    armed = 2 * limits
-    first = armed + 1 + others  # of free flight
-    assumed, laws, manual = slice(armed), slice(armed + 1, first), slice(first, None)
+    first = 2 * limits + 2 + others  # of free flight
+    assumed, armed = slice(2 * limits), slice(2 * limits, 2 * limits + 2)
+    laws, manual = slice(armed.stop, first), slice(first, None)
+    straight, turns = slice(first, first + 2), slice(first + 2, None)
     always = np.zeros((first + len(free.models),) * 2)
     among = np.array(free.switching) / free.period
-    always[manual, manual] = among - np.diag(np.diag(among))
-    always[manual, armed] = 1.0 / mean_stay
-    for even, slowing in enumerate(range(limits, armed)):
+    always[manual, manual] = among
+    always[armed, armed] = among[:2, :2]
+    always[straight, armed] = np.eye(2) / mean_stay
+    always[turns, armed.start] = 1.0 / mean_stay
+    for even, slowing in zip(range(limits), range(limits, 2 * limits), strict=True):
         always[even, slowing], always[slowing, even] = 1.0 / mean_stay, 1.0 / MANOEUVRE_STAY
     met, away = always.copy(), always
     for rates, taken_up, left in ((met, mean_stay, RARELY), (away, RARELY, MANOEUVRE_STAY)):
-        rates[armed, assumed] = rates[manual, assumed] = 1.0 / taken_up / armed
+        rates[armed, assumed] = rates[manual, assumed] = 1.0 / taken_up / (2 * limits)
         rates[manual, laws] = 1.0 / taken_up
         rates[assumed, manual] = rates[laws, manual] = 1.0 / left / len(free.models)
     met[armed, manual] = 1.0 / OVERDUE / len(free.models)
-    away[armed, first] = 1.0 / mean_stay
+    away[armed, straight] = np.eye(2) / mean_stay
+    away[armed, turns] = among[:2, 2:]
+    for rates in (met, away):
+        np.fill_diagonal(rates, 0.0)
     return VectoredSwitching(*(tuple(map(tuple, rates - np.diag(rates.sum(axis=1)))) for rates in (met, away)))
 
 

@@ -77,7 +77,7 @@ def test_the_heading_is_held_until_the_law_turns_towards_the_course():
     At 60 m/s towards the line the unlimited law asks for 0.02 z - 0.5 60 deg to the left: nothing at 1500 m.
     """
     law = replace(NOMINAL, cross_track_limit=math.inf, cross_track_rate_limit=math.inf)
-    bank = LawBank(law, True, (), 1)
+    bank = LawBank(law, 1, (), 1)
 
     def flown(cross_track, rate, speed=100.0):
         leg = ONE_LEG.deviation(
@@ -94,6 +94,8 @@ def test_the_heading_is_held_until_the_law_turns_towards_the_course():
     assert flown(-1000.0, 60.0) == pytest.approx(-10.0)
     assert flown(300.0, 0.0) == 0.0  # beside the line and along it: nothing is captured
     assert flown(1000.0, -60.0, speed=-100.0) == 0.0  # it flies away from the end of the leg
+    assert flown(300.0, 10.0) == pytest.approx(-11.0)  # half a minute ago it met the line, and is overdue
+    assert flown(700.0, 10.0) == 0.0  # that was more than a minute ago: it follows another line
 
 
 OTHER = RadioBeacon(6.0, 1.2, math.radians(15.0), math.radians(5.0))
@@ -114,6 +116,9 @@ def test_the_switching_is_a_semigroup(place):
     np.testing.assert_allclose(long.sum(axis=1), 1.0, rtol=1e-14)
 
 
+ARMED_MODES = ("law armed", "law armed, slowing")
+
+
 def test_modes_are_left_as_stated():
     """Rates by hand, at the line (law at 0.4 deg) and 2 km beside it, where it would bank to its limit."""
     tracker = replace(VECTORED, alternative_laws=(OTHER,))
@@ -125,6 +130,9 @@ def test_modes_are_left_as_stated():
     of["even"] = [mode.startswith("law x") and "slowing" not in mode for mode in tracker.modes]
     of["slowing"] = ["law x" in mode and "slowing" in mode for mode in tracker.modes]
     of["free"] = [mode in tracker._free for mode in tracker.modes]
+    of["armed even"], of["armed slowing"] = ([mode == name for mode in tracker.modes] for name in ARMED_MODES)
+    of["straight"], of["slowing down"] = ([mode == name for mode in tracker.modes] for name in tracker._free[:2])
+    free = (np.array(tracker._vectors.switching) / tracker._vectors.period).tolist()
 
     def rate(rates, source, target):
         """For each hypothesis of the one, into all of the other."""
@@ -145,8 +153,16 @@ def test_modes_are_left_as_stated():
             ("law x", "armed", 0.0),  # an autopilot that has captured its path does not wait for it again
             (OTHER.intent, "armed", 0.0),
             ("free", "armed", stay),
-            ("armed", "turn", 0.0 if rates is away else 0.5 * given_up),
-            ("armed", "free", given_up),
+            ("armed even", "armed slowing", free[0][1]),
+            ("armed slowing", "armed even", free[1][0]),
+            ("armed even", "straight", given_up if rates is away else 0.25 * given_up),
+            ("armed slowing", "slowing down", given_up if rates is away else 0.25 * given_up),
+            ("armed even", "slowing down", 0.0 if rates is away else 0.25 * given_up),
+            ("armed even", "turn", 2.0 * free[0][2] if rates is away else 0.5 * given_up),
+            ("armed slowing", "turn", 2.0 * free[1][2] if rates is away else 0.5 * given_up),
+            ("straight", "armed even", stay),
+            ("slowing down", "armed slowing", stay),
+            ("turn", "armed even", stay),
             ("even", "slowing", stay),
             ("slowing", "even", 1.0 / MANOEUVRE_STAY),
         ):
@@ -188,11 +204,11 @@ def test_the_step_switches_each_run_by_its_own_place():
 
 
 def test_half_of_the_laws_slow_down_along_their_own_course():
-    """4 s of prediction with nothing mixed: 1.6 m/s and 3.2 m less, and the same turn to a thousandth."""
+    """4 s of prediction with nothing mixed: 2 m/s and 4 m less, and the same turn to a thousandth."""
     tracker = replace(VECTORED, mean_stay=1e30)
     state = tracker.begin(Gaussian(np.array([0.0, 80.0, 3000.0, -60.0]), np.diag([1e4, 25.0, 1e4, 25.0])))
-    moved = tracker._fly(Mixture(*(part[..., :7] for part in state.mixture)), state.place, 4.0)[0].mean
-    even, slowing = moved[:, 0:3], moved[:, 3:6]
+    moved = tracker._fly(Mixture(*(part[..., :8] for part in state.mixture)), state.place, 4.0)[0].mean
+    even, slowing = moved[:, [0, 1, 2, 6]], moved[:, [3, 4, 5, 7]]
     speeds = [np.hypot(mean[1], mean[3]) for mean in (even, slowing)]
     np.testing.assert_allclose(speeds[0], 100.0, rtol=1e-12)
     np.testing.assert_allclose(speeds[1], 100.0 - 4.0 * DECELERATION, rtol=1e-12)
@@ -213,7 +229,7 @@ def test_no_chart_tells_the_speed():
 
 
 def test_knows_a_turn_at_the_limit_and_a_change_of_speed():
-    """Far beside the line and away from it; to the left the law would turn too. 0.4 m/s2 only show after some 30 s."""
+    """Far beside the line and away from it; to the left the law would turn too. 0.5 m/s2 only show after some 30 s."""
     rng = np.random.default_rng(72)
     start = (0.0, -100.0, 20e3, 0.0)
 

@@ -31,7 +31,7 @@ from tracking.trackers.imm import ModelSet, improved_set, transitions
 from tracking.vectored_switching import Rates, VectoredSwitching, law_is_met, vectored_switching
 
 DENSITIES = ("law_density", "straight_density", "manoeuvre_density")
-DECELERATION = 0.4  # m/s2, of an airliner that slows down: the 35 kt of an approach within 45 s
+DECELERATION = 0.5  # m/s2, of an aircraft that slows down, as of the improved set: a knot in a second
 
 
 class Intent(NamedTuple):
@@ -117,7 +117,7 @@ class IntentImm:
     @property
     def _factors(self) -> tuple[float, ...]:
         """On the position limit, of each hypothesis of the assumed law."""
-        return (*self.limit_factors, *self.limit_factors, math.inf) if self.vectored else self.limit_factors
+        return (*self.limit_factors * 2, math.inf, math.inf) if self.vectored else self.limit_factors
 
     @cached_property
     def _vectors(self) -> ModelSet:
@@ -138,8 +138,8 @@ class IntentImm:
     def modes(self) -> tuple[str, ...]:
         """Names of the hypotheses: the law by the factors on its limit, the alternatives, then free flight."""
         laws = tuple(f"law x {factor:g}" for factor in self.limit_factors)
-        vectored = (*(f"{law}, slowing" for law in laws), "law armed") if self.vectored else ()
-        return (*laws, *vectored, *self._intents[1:], *self._free)
+        assumed = [f"{law}{how}" for one in (laws, ("law armed",)) for how in ("", ", slowing") for law in one]
+        return (*(assumed if self.vectored else laws), *self._intents[1:], *self._free)
 
     @property
     def intents(self) -> tuple[str, ...]:
@@ -171,7 +171,8 @@ class IntentImm:
         limits = {limit: getattr(self.law, limit) * factors}
         limits |= {name: getattr(self.law, name) * np.maximum(factors, 1.0) for name in growing}
         laws: Law = replace(self.law, **limits)
-        return LawBank(laws, self.vectored, self.alternative_laws, batch) if self.vectored or others else laws
+        armed = 2 if self.vectored else 0
+        return LawBank(laws, armed, self.alternative_laws, batch) if armed or others else laws
 
     def begin(self, prior: Gaussian) -> Intent:
         runs, count = prior.mean.shape[1:], len(self.modes)
@@ -269,11 +270,12 @@ class IntentImm:
     def _slow_down(self, mean: Any, dt: float) -> None:
         """Take from the means (4, M, *B) of the slowing laws, in place, what dt of it takes from their speed."""
         count = len(self.limit_factors)
-        slowing = mean[:, count : 2 * count]
-        velocity = slowing[1::2]
-        lost = np.minimum(DECELERATION * dt / np.maximum(np.hypot(*velocity), SLOWEST), 1.0) * velocity
-        slowing[1::2] -= lost
-        slowing[0::2] -= 0.5 * dt * lost
+        for which in (slice(count, 2 * count), slice(2 * count + 1, 2 * count + 2)):
+            slowing = mean[:, which]
+            velocity = slowing[1::2]
+            lost = np.minimum(DECELERATION * dt / np.maximum(np.hypot(*velocity), SLOWEST), 1.0) * velocity
+            slowing[1::2] -= lost
+            slowing[0::2] -= 0.5 * dt * lost
 
     def _coast(self, gaussian: Gaussian, dt: float) -> Gaussian:
         """Every hypothesis of free flight by itself."""
