@@ -60,9 +60,9 @@ class IntentImm:
 
     ``vectored``: the aircraft is led to its path by headings and speeds that a controller gives, as airliners are. Free
     flight is then that of the improved set of `imm`: straight, slowing down, a turn to either side at the bank limit.
-    No chart tells the speed, so that every limit of the law is flown both at an even speed and slowing down. And one
-    hypothesis has the law armed: the heading is held until the law, which then has no limit on the intercept, turns the
-    aircraft towards the course of the leg.
+    No chart tells the speed, so that every limit of the law is flown both at an even speed and slowing down. And two
+    hypotheses, likewise, have the law armed: the heading is held until the law, which then has no limit on the
+    intercept, turns the aircraft towards the course of the leg (`LawBank`).
 
     Model probabilities are in the order of `modes`. Modes are left at a rate of 1 / ``mean_stay`` for any other mode
     alike, whatever the time between steps. Under vectors a law is taken up where it is met, and rarely left there:
