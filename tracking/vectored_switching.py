@@ -15,6 +15,7 @@ import numpy as np
 from tracking.reference_path import Law, ReferencePath
 from tracking.trackers.imm import ModelSet
 
+TAKEN_UP = 25.0  # s, in which a law is taken up where it is met: 17 s from the path (k2 / k1), and crews are late
 OVERDUE = 10.0  # s, for which an armed law is waited for where it should turn the aircraft: crews are some seconds late
 MANOEUVRE_STAY = 20.0  # s, of a change of speed under a law, 8 m/s, and of a law away from its path
 # s, in which what is rare comes about once: an established aircraft leaves its law, or one takes it up away from its
@@ -42,7 +43,7 @@ def vectored_switching(limits: int, others: int, free: ModelSet, mean_stay: floa
     - Free flight, whose first models are straight at an even speed and slowing down, changes among its models as their
       set says. So does armed flight, which is straight flight at first, and ends in the same turns.
     - From free flight the law is armed after ``mean_stay`` on average, and any law is taken up: where the law is met
-      after ``mean_stay``, else after `RARELY`. None of a law's hypotheses is preferred.
+      after `TAKEN_UP`, else after `RARELY`. None of a law's hypotheses is preferred.
     - An armed law is taken up likewise. Else it is given up: where it is met after `OVERDUE`, as the aircraft flies
       anything else, elsewhere after ``mean_stay``, as it flies on.
     - A law is left for free flight: where it is met after `RARELY`, else after `MANOEUVRE_STAY`.
@@ -64,7 +65,7 @@ def vectored_switching(limits: int, others: int, free: ModelSet, mean_stay: floa
     for even, slowing in zip(range(limits), range(limits, 2 * limits), strict=True):
         always[even, slowing], always[slowing, even] = 1.0 / mean_stay, 1.0 / MANOEUVRE_STAY
     met, away = always.copy(), always
-    for rates, taken_up, left in ((met, mean_stay, RARELY), (away, RARELY, MANOEUVRE_STAY)):
+    for rates, taken_up, left in ((met, TAKEN_UP, RARELY), (away, RARELY, MANOEUVRE_STAY)):
         rates[armed, assumed] = rates[manual, assumed] = 1.0 / taken_up / (2 * limits)
         rates[manual, laws] = 1.0 / taken_up
         rates[assumed, manual] = rates[laws, manual] = 1.0 / left / len(free.models)

@@ -31,7 +31,7 @@ from tracking.reference_path import Legs
 from tracking.track import follow
 from tracking.trackers.intent_imm import DECELERATION, IntentImm
 from tracking.trackers.saturated_control import SaturatedControl
-from tracking.vectored_switching import MANOEUVRE_STAY, OVERDUE, RARELY, law_is_met
+from tracking.vectored_switching import MANOEUVRE_STAY, OVERDUE, RARELY, TAKEN_UP, law_is_met
 
 VECTORED = IntentImm(NOMINAL, ONE_LEG, PLANE, vectored=True, limit_factors=(0.4, 1.0, 2.4), mean_stay=60.0)
 LATE = 4.0  # s, by which the crew arms the law too late
@@ -140,7 +140,7 @@ def test_modes_are_left_as_stated():
 
     stay = 1.0 / tracker.mean_stay
     for rates, taken, left, given_up in (
-        (met, stay, 1.0 / RARELY, 1.0 / OVERDUE),
+        (met, 1.0 / TAKEN_UP, 1.0 / RARELY, 1.0 / OVERDUE),
         (away, 1.0 / RARELY, 1.0 / MANOEUVRE_STAY, stay),
     ):
         for source, target, expected in (
