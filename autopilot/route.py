@@ -57,6 +57,11 @@ class ArrayDeviation:
             return self.track_error
         return np.mod(self._off_course + np.pi, 2 * np.pi) - np.pi
 
+    def softened(self, share: float) -> ArrayDeviation:
+        """What makes of a law one that is ``share`` as quick and damped alike: its gains by share^2 and by share."""
+        place, rate = share**2 * self.cross_track, share * self.cross_track_rate
+        return ArrayDeviation(place, rate, self.distance_to_go, self._along_rate, None)
+
     def of_hypotheses(self, which: slice, batch: int) -> ArrayDeviation:
         """That of some hypotheses, of an axis before ``batch`` axes of runs; its angles are worked out alone."""
         among = (..., which, *(slice(None),) * batch)

@@ -77,11 +77,15 @@ def vectored_switching(limits: int, others: int, free: ModelSet, mean_stay: floa
     return VectoredSwitching(*(tuple(map(tuple, rates - np.diag(rates.sum(axis=1)))) for rates in (met, away)))
 
 
-def law_is_met(law: Law, intercept: tuple[str, ...], path: ReferencePath, place: Any, mean: Any) -> Any:
-    """(*B) bool: whether the law, with no limit on its intercept, asks at the mean (n, *B) for less than all its bank.
+def unlimited(law: Any) -> Any:
+    """A law with no limit on its intercept."""
+    return replace(law, **dict.fromkeys(law.intercept, math.inf))
+
+
+def law_is_met(law: Law, path: ReferencePath, place: Any, mean: Any) -> Any:
+    """(*B) bool: whether a law with no limit on its intercept asks at the mean (n, *B) for less than all its bank.
 
     Of [Vasylyev 2003, eq. (4)] this is the strip ``|k1 z + k2 z'| < bank limit``: an aircraft on a heading crosses it
     where the law would turn it onto the path, and one that is established never leaves it.
     """
-    unlimited: Any = replace(law, **dict.fromkeys(intercept, math.inf))  # type: ignore[type-var]
-    return np.abs(unlimited(path.deviation(place, mean))) < unlimited.bank_limit
+    return np.abs(law(path.deviation(place, mean))) < law.bank_limit

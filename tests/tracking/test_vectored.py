@@ -31,7 +31,7 @@ from tracking.reference_path import Legs
 from tracking.track import follow
 from tracking.trackers.intent_imm import DECELERATION, IntentImm
 from tracking.trackers.saturated_control import SaturatedControl
-from tracking.vectored_switching import MANOEUVRE_STAY, OVERDUE, RARELY, TAKEN_UP, law_is_met
+from tracking.vectored_switching import MANOEUVRE_STAY, OVERDUE, RARELY, TAKEN_UP, law_is_met, unlimited
 
 VECTORED = IntentImm(NOMINAL, ONE_LEG, PLANE, vectored=True, limit_factors=(0.4, 1.0, 2.4), mean_stay=60.0)
 LATE = 4.0  # s, by which the crew arms the law too late
@@ -74,10 +74,10 @@ def test_it_keeps_the_contract(cls, example):
 def test_the_heading_is_held_until_the_law_turns_towards_the_course():
     """Right of the line, by hand: too shallow an intercept is not steepened, and too steep a one is turned in time.
 
-    At 60 m/s towards the line the unlimited law asks for 0.02 z - 0.5 60 deg to the left: nothing at 1500 m.
+    At 60 m/s towards the line the law at .6 of its frequency asks for 0.0072 z - 0.3 60 deg to the left: nothing at
+    2500 m.
     """
-    law = replace(NOMINAL, cross_track_limit=math.inf, cross_track_rate_limit=math.inf)
-    bank = LawBank(law, 1, (), 1)
+    bank = LawBank(NOMINAL, (unlimited(NOMINAL),), (), 1)
 
     def flown(cross_track, rate, speed=100.0):
         leg = ONE_LEG.deviation(
@@ -88,13 +88,13 @@ def test_the_heading_is_held_until_the_law_turns_towards_the_course():
         return math.degrees(bank(leg)[0, 0])
 
     assert flown(4000.0, -60.0) == 0.0
-    assert flown(1600.0, -60.0) == 0.0
-    assert flown(1400.0, -60.0) == pytest.approx(2.0)
-    assert flown(1000.0, -60.0) == pytest.approx(10.0)
-    assert flown(-1000.0, 60.0) == pytest.approx(-10.0)
+    assert flown(2600.0, -60.0) == 0.0
+    assert flown(2400.0, -60.0) == pytest.approx(0.72)
+    assert flown(1000.0, -60.0) == pytest.approx(10.8)
+    assert flown(-1000.0, 60.0) == pytest.approx(-10.8)
     assert flown(300.0, 0.0) == 0.0  # beside the line and along it: nothing is captured
     assert flown(1000.0, -60.0, speed=-100.0) == 0.0  # it flies away from the end of the leg
-    assert flown(300.0, 10.0) == pytest.approx(-11.0)  # half a minute ago it met the line, and is overdue
+    assert flown(300.0, 10.0) == pytest.approx(-5.16)  # half a minute ago it met the line, and is overdue
     assert flown(700.0, 10.0) == 0.0  # that was more than a minute ago: it follows another line
 
 
@@ -186,7 +186,7 @@ def test_a_law_is_met_where_it_asks_for_less_than_all_its_bank():
     """
     places = np.array([(999.0, 0.0), (1001.0, 0.0), (2490.0, -60.0), (2510.0, -60.0), (510.0, -60.0), (490.0, -60.0)]).T
     mean = np.array([0.0 * places[0], 0.0 * places[0] + 80.0, places[0], places[1]])
-    found = law_is_met(NOMINAL, NOMINAL.intercept, Legs(ONE_LEG, NOMINAL.bank_limit), np.zeros(6, int), mean)
+    found = law_is_met(unlimited(NOMINAL), Legs(ONE_LEG, NOMINAL.bank_limit), np.zeros(6, int), mean)
     assert found.tolist() == [True, False, True, False, True, False]
 
 

@@ -28,7 +28,7 @@ from tracking.reference_path import (
 from tracking.track import ARMED, MANUAL
 from tracking.trackers import saturated_control
 from tracking.trackers.imm import ModelSet, improved_set, transitions
-from tracking.vectored_switching import Rates, VectoredSwitching, law_is_met, vectored_switching
+from tracking.vectored_switching import Rates, VectoredSwitching, law_is_met, unlimited, vectored_switching
 
 DENSITIES = ("law_density", "straight_density", "manoeuvre_density")
 DECELERATION = 0.5  # m/s2, of an aircraft that slows down, as of the improved set: a knot in a second
@@ -61,8 +61,8 @@ class IntentImm:
     ``vectored``: the aircraft is led to its path by headings and speeds that a controller gives, as airliners are. Free
     flight is then that of the improved set of `imm`: straight, slowing down, a turn to either side at the bank limit.
     No chart tells the speed, so that every limit of the law is flown both at an even speed and slowing down. And two
-    hypotheses, likewise, have the law armed: the heading is held until the law, which then has no limit on the
-    intercept, turns the aircraft towards the course of the leg (`LawBank`).
+    hypotheses, likewise, have the law armed: the heading is held until a softer law, with no limit on the intercept,
+    turns the aircraft towards the course of the leg (`LawBank`).
 
     Model probabilities are in the order of `modes`. Modes are left at a rate of 1 / ``mean_stay`` for any other mode
     alike, whatever the time between steps. Under vectors a law is taken up where it is met, and rarely left there:
@@ -171,7 +171,7 @@ class IntentImm:
         limits = {limit: getattr(self.law, limit) * factors}
         limits |= {name: getattr(self.law, name) * np.maximum(factors, 1.0) for name in growing}
         laws: Law = replace(self.law, **limits)
-        armed = 2 if self.vectored else 0
+        armed = (unlimited(self.law),) * 2 if self.vectored else ()
         return LawBank(laws, armed, self.alternative_laws, batch) if armed or others else laws
 
     def begin(self, prior: Gaussian) -> Intent:
@@ -237,7 +237,7 @@ class IntentImm:
 
     def _is_met(self, place: Any, mean: Any) -> Any:
         """(*B) bool: whether the mean (n, *B) is where the assumed law is met."""
-        return law_is_met(self.law, self.law.intercept, self._path, place, mean)
+        return law_is_met(unlimited(self.law), self._path, place, mean)
 
     @cached_property
     def _rates(self) -> Rates:
