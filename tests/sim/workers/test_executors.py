@@ -96,6 +96,7 @@ class LeavesWhileRead:
 
 def test_a_job_whose_worker_left_without_a_word_is_done_by_another(tmp_path, monkeypatch):
     monkeypatch.setattr(executors, "UNTAKEN", 4.0)  # more than a start takes; on a slow machine it is tried again
+    monkeypatch.setattr(executors, "ATTEMPTS", 30)
     executor = LocalExecutor()
     executor.submit(0, operator.add, LeavesWhileRead(leave_once, tmp_path / "seen"), 3)
     assert ended(executor) == {0: 8}
