@@ -98,7 +98,7 @@ def _limited(number: type, unit: str | None, factor: float, limits: Range) -> An
     def kept(value: float) -> float:
         if not keeps(value):
             raise ValueError(limits.fault(value, factor))
-        if number is float and value != 0.0 and abs(value) < least:
+        if -least < value < least and value != 0.0 and number is float:
             raise ValueError(f"must be 0 or at least {least:g} in size")
         return value
 
@@ -223,6 +223,7 @@ def _default_in_words(parameter: Parameter, factor: float) -> str | None:
     return f"default {default!r}"
 
 
+WORDS_ALONE = (str, bool)  # types of values that have no unit
 TrueShare = Callable[[float | None], float]
 """True over equivalent airspeed at a height, m; None where the table says none."""
 
@@ -247,9 +248,12 @@ def given_values(cls: type, table: dict[str, Any], true_share: TrueShare | None 
     for key, value in table.items():
         if value is not None and key in keys:
             one, factor = keys[key]
-            found[one.attribute] = (
-                value * factor if type(value) is float else _to_si(one.kind, value, factor, inherited)
-            )
+            if type(value) is float:
+                found[one.attribute] = value * factor
+            else:
+                found[one.attribute] = (
+                    value if type(value) in WORDS_ALONE else _to_si(one.kind, value, factor, inherited)
+                )
     indicated = [one for one in _airspeeds(cls) if any(table.get(key) is not None for key in one.indicated_keys)]
     if indicated:
         assert true_share is not None, f"{cls.__name__} has indicated airspeeds, but no air"
@@ -293,13 +297,20 @@ def _to_si(hint: Any, value: Any, factor: float, true_share: TrueShare | None) -
     if nested is not None and isinstance(value, dict):
         return construct(nested, value, true_share)
     if isinstance(value, list | tuple):
-        element = typing.get_args(hint)[0] if typing.get_args(hint) else Any
-        return tuple(_to_si(element, item, factor, true_share) for item in value)
+        element = _element(hint)
+        return tuple([_to_si(element, item, factor, true_share) for item in value])
     if isinstance(value, bool | str | dict) or value is None:
         return value
     if isinstance(value, int) and factor == 1.0 and (hint is int or hint == (int | None)):
         return value
     return float(value) * factor
+
+
+@cached
+def _element(hint: Any) -> Any:
+    """The type of what a list holds."""
+    arguments = typing.get_args(hint)
+    return arguments[0] if arguments else Any
 
 
 @cached
