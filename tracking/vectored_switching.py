@@ -77,9 +77,10 @@ def vectored_switching(limits: int, others: int, free: ModelSet, mean_stay: floa
     return VectoredSwitching(*(tuple(map(tuple, rates - np.diag(rates.sum(axis=1)))) for rates in (met, away)))
 
 
-def unlimited(law: Any) -> Any:
+def unlimited(law: Any) -> Law:
     """A law with no limit on its intercept."""
-    return replace(law, **dict.fromkeys(law.intercept, math.inf))
+    found: Law = replace(law, **dict.fromkeys(law.intercept, math.inf))
+    return found
 
 
 def law_is_met(law: Law, path: ReferencePath, place: Any, mean: Any) -> Any:

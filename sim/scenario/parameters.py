@@ -223,7 +223,6 @@ def _default_in_words(parameter: Parameter, factor: float) -> str | None:
     return f"default {default!r}"
 
 
-WORDS_ALONE = (str, bool)  # types of values that have no unit
 TrueShare = Callable[[float | None], float]
 """True over equivalent airspeed at a height, m; None where the table says none."""
 
@@ -248,12 +247,9 @@ def given_values(cls: type, table: dict[str, Any], true_share: TrueShare | None 
     for key, value in table.items():
         if value is not None and key in keys:
             one, factor = keys[key]
-            if type(value) is float:
-                found[one.attribute] = value * factor
-            else:
-                found[one.attribute] = (
-                    value if type(value) in WORDS_ALONE else _to_si(one.kind, value, factor, inherited)
-                )
+            found[one.attribute] = (
+                value * factor if type(value) is float else _to_si(one.kind, value, factor, inherited)
+            )
     indicated = [one for one in _airspeeds(cls) if any(table.get(key) is not None for key in one.indicated_keys)]
     if indicated:
         assert true_share is not None, f"{cls.__name__} has indicated airspeeds, but no air"
@@ -293,13 +289,15 @@ def _airspeeds(cls: type) -> tuple[Parameter, ...]:
 def _to_si(hint: Any, value: Any, factor: float, true_share: TrueShare | None) -> Any:
     if isinstance(value, float):
         return value * factor
+    if isinstance(value, bool | str) or value is None:
+        return value
     nested = _nested(hint)
     if nested is not None and isinstance(value, dict):
         return construct(nested, value, true_share)
     if isinstance(value, list | tuple):
         element = _element(hint)
         return tuple([_to_si(element, item, factor, true_share) for item in value])
-    if isinstance(value, bool | str | dict) or value is None:
+    if isinstance(value, dict):
         return value
     if isinstance(value, int) and factor == 1.0 and (hint is int or hint == (int | None)):
         return value

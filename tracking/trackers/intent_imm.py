@@ -171,7 +171,7 @@ class IntentImm:
         limits = {limit: getattr(self.law, limit) * factors}
         limits |= {name: getattr(self.law, name) * np.maximum(factors, 1.0) for name in growing}
         laws: Law = replace(self.law, **limits)
-        armed = (unlimited(self.law),) * 2 if self.vectored else ()
+        armed = (self._unlimited,) * 2 if self.vectored else ()
         return LawBank(laws, armed, self.alternative_laws, batch) if armed or others else laws
 
     def begin(self, prior: Gaussian) -> Intent:
@@ -237,7 +237,11 @@ class IntentImm:
 
     def _is_met(self, place: Any, mean: Any) -> Any:
         """(*B) bool: whether the mean (n, *B) is where the assumed law is met."""
-        return law_is_met(unlimited(self.law), self._path, place, mean)
+        return law_is_met(self._unlimited, self._path, place, mean)
+
+    @cached_property
+    def _unlimited(self) -> Law:
+        return unlimited(self.law)
 
     @cached_property
     def _rates(self) -> Rates:
