@@ -18,6 +18,7 @@ import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, lift, merge, reweigh
 from tracking.intervals import chi_square
+from tracking.packed import Packed, pack, unpack
 from tracking.track import Tracker
 from tracking.tree import walk
 
@@ -103,9 +104,11 @@ def blend(weights: Array, states: list[Any]) -> Any:
             return _merged(weights, leaves)
         if isinstance(first, Mixture):
             return _merged_models(weights, leaves)
+        if isinstance(first, Packed):
+            return pack(_merged_models(weights, [unpack(leaf) for leaf in leaves]))
         return _most_probable(weights, leaves) if isinstance(first, np.ndarray | np.generic) else first
 
-    return walk(blended, *states, whole=(Gaussian, Mixture))
+    return walk(blended, *states, whole=(Gaussian, Mixture, Packed))
 
 
 def _merged(weights: Array, states: list[Gaussian]) -> Gaussian:

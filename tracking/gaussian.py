@@ -5,8 +5,8 @@ A mean has shape (n, *B), a covariance (n, n, *C); B and C broadcast. ``()`` is 
 filter computes one gain for all runs. Where there is a hypothesis axis, C has as many axes as B (of size one where
 shared): `lift` inserts them.
 
-Covariances are symmetric to the last bit because every one of them is built from products that commute: ``W W'`` in
-the update, ``d d'`` in the mixing, and a mirrored triangle in the prediction.
+Covariances are symmetric to the last bit because one triangle of each is computed and written twice. What mixtures of
+many runs share is shorter in `tracking.packed`, which is made of the same parts.
 """
 
 from __future__ import annotations
@@ -130,26 +130,43 @@ def interact(mixture: Mixture, switching: Array) -> Mixture:
     ``theta_ij mu_i`` normalised over the source i, because the weights of one mixed estimate sum to one.
     """
     weights, means, covs = mixture
-    upper, row, column, whole = _triangle(len(means))
-    predicted = _switched(switching, weights[None])[0]
-    certain = None if np.minimum.reduce(predicted, axis=None) > LEAST else ~(predicted <= LEAST)
-    scale = 1.0 / (predicted if certain is None else np.where(certain, predicted, 1.0))
+    n, (upper, _, _, whole) = len(means), triangle_of(len(means))
+    moments = mixed_moments(weights, means, covs.reshape(n * n, *covs.shape[2:]).take(upper, 0), switching)
+    return Mixture(moments[0], moments[1 : n + 1], moments[n + 1 :].take(whole, 0))
+
+
+def mixed_moments(weights: Array, means: Array, triangles: Array, switching: Array) -> Array:
+    """What `interact` gives: weight, mean and covariance of each hypothesis, (1 + n + n (n + 1) / 2, M, *B).
+
+    From weights (M, *B), means (n, M, *B) and covariances (n (n + 1) / 2, M, *B), each as its `triangle_of`.
+    """
+    n, (_, row, column, _) = len(means), triangle_of(len(means))
     # About any point c among the means: sum_i w_ij (P_i + d_i d_i') - e_j e_j' with d_i = x_i - c, e_j = mixed x_j - c
-    # and w_ij = theta_ij mu_i / predicted_j. Moments about the origin would lose |x|^2 eps. Theta serves all runs and
-    # moments, so that these sums are matrix products; of symmetric matrices one triangle is mixed.
+    # and w_ij = theta_ij mu_i / predicted_j. Moments about the origin would lose |x|^2 eps. Theta serves all moments,
+    # so that these sums are one product; of symmetric matrices one triangle is mixed.
     centre = means[:, :1]
-    deviation = means - centre
-    second = deviation.take(row, 0)
-    second *= deviation.take(column, 0)
-    second = _plus(second, covs.reshape(-1, *covs.shape[2:]).take(upper, 0))
-    mixed = _switched(switching, _times(deviation, weights)) * scale
-    second = _switched(switching, _times(second, weights))
-    second *= scale
-    second -= mixed.take(row, 0) * mixed.take(column, 0)
-    mean, cov = centre + mixed, second.take(whole, 0)
-    if certain is None:
-        return Mixture(predicted, mean, cov)
-    return Mixture(predicted, np.where(certain, mean, means), np.where(certain, cov, covs))
+    moments = np.empty((1 + n + len(row), *_common(weights.shape, means.shape[1:], triangles.shape[1:])))
+    moments[0], deviation, second = 1.0, moments[1 : n + 1], moments[n + 1 :]
+    np.subtract(means, centre, out=deviation)
+    np.multiply(deviation.take(row, 0), deviation.take(column, 0), out=second)
+    second += triangles
+    moments *= weights
+    mixed = _switched(switching, moments)
+    predicted, mean, second = mixed[0], mixed[1 : n + 1], mixed[n + 1 :]
+    certain = None if np.minimum.reduce(predicted, axis=None) > LEAST else ~(predicted <= LEAST)
+    mixed[1:] *= 1.0 / (predicted if certain is None else np.where(certain, predicted, 1.0))
+    second -= mean.take(row, 0) * mean.take(column, 0)
+    mean += centre
+    if certain is not None:
+        mixed[1:] = np.where(certain, mixed[1:], over(means, triangles))
+    return mixed
+
+
+def over(above: Array, below: Array) -> Array:
+    """Arrays (p, *B) and (q, *C) one over the other, (p + q, *D)."""
+    stack = np.empty((len(above) + len(below), *_common(above.shape[1:], below.shape[1:])))
+    stack[: len(above)], stack[len(above) :] = above, below
+    return stack
 
 
 def _switched(switching: Array, values: Array) -> Array:
@@ -160,13 +177,30 @@ def _switched(switching: Array, values: Array) -> Array:
     return (switching.T @ values.reshape(r, M, -1)).reshape(values.shape)
 
 
+def _common(*shapes: tuple[int, ...]) -> tuple[int, ...]:
+    """The shape to which all of these broadcast."""
+    return shapes[0] if len(set(shapes)) == 1 else np.broadcast_shapes(*shapes)
+
+
 @lru_cache
-def _triangle(n: int) -> tuple[Array, Array, Array, Array]:
-    """Of a symmetric matrix (n, n): places, rows and columns of its upper triangle, and where each entry is in that."""
+def triangle_of(n: int) -> tuple[Array, Array, Array, Array]:
+    """A symmetric matrix (n, n) as the n (n + 1) / 2 entries of one triangle, the diagonal first.
+
+    Their places in the matrix, row by row; their rows; their columns; and (n, n) which of them each entry is.
+    """
     row, column = np.triu_indices(n)
+    order = np.argsort(row != column, kind="stable")
+    row, column = row[order], column[order]
     whole = np.zeros((n, n), dtype=int)
     whole[row, column] = whole[column, row] = np.arange(len(row))
     return row * n + column, row, column, whole
+
+
+@lru_cache
+def _bordered(n: int) -> tuple[Array, Array]:
+    """Entries of a vector (n + 1) to be multiplied: each with the last, the `triangle_of` n, the last with itself."""
+    _, row, column, _ = triangle_of(n)
+    return np.concatenate([range(n), row, [n]]), np.concatenate([[n] * n, column, [n]])
 
 
 def reweigh(weights: Array, log_likelihood: Array) -> tuple[Array, Array]:
@@ -210,15 +244,28 @@ def update_mixture(mixture: Mixture, z: Array, H: Array, R: Array) -> tuple[Mixt
     if absent is not None:
         H, R, residual = _without(absent, H, R, residual)
     rows, other = _rows(mixture.cov, H, lift(R, 2, batch + 1), residual)
-    matched = merge(Mixture(mixture.weights, residual, rows[:, : len(rows)]))
+    white = matched(mixture.weights, residual, rows)
     conditioned, each = _condition(Gaussian(mixture.mean, mixture.cov), rows, other)
     weights, log_likelihood = reweigh(mixture.weights, each.log_likelihood)
-    white = whitened(matched.cov, matched.mean)
     innovation = Innovation(white, np.add.reduce(white * white), log_likelihood)
     posterior = Mixture(weights, conditioned.mean, conditioned.cov)
     if absent is None:
         return posterior, innovation
     return posterior, _present(innovation, absent[:, 0])
+
+
+def matched(weights: Array, residual: Array, rows: Array) -> Array:
+    """The whitened innovation (m, *B) of the moment-matched prediction, from the `_rows` of the hypotheses.
+
+    As of `merge`, with sums in place of its contractions, which for so few numbers cost more.
+    """
+    m, S = len(rows), rows[:, : len(rows)]
+    merged = np.empty((m, m + 1, *_common(weights.shape, residual.shape[1:], S.shape[2:])[1:]))
+    mean = np.add.reduce(weights * residual, 1, out=merged[:, m])
+    spread = _times(_second_moments(residual - mean[:, None], S), weights)
+    np.add.reduce(spread, 2, out=merged[:, :m])
+    _eliminate(merged)
+    return merged[:, m]
 
 
 def whitened(cov: Array, error: Array) -> Array:
@@ -246,30 +293,59 @@ def _rows(P: Array, H: Array, R: Array, residual: Array) -> tuple[Array, Array |
             return _beside(S.shape[2:], S, cross), np.array(np.broadcast_to(residual, shape))
         return _beside(batch, S, cross, residual[:, None]), None
     rows = np.empty((m, m + n + 1, *batch))
-    S, cross, rows[:, -1] = rows[:, :m], rows[:, m:-1], residual
-    _product(H, P, out=cross)
-    _product(H, cross.swapaxes(0, 1), out=S)
-    S += R
+    cross = _product(H, P, out=rows[:, m:-1])
+    _product(H, cross.swapaxes(0, 1), out=rows[:, :m])
+    rows[:, :m] += R
+    rows[:, -1] = residual
     return rows, None
 
 
 def _condition(prior: Gaussian, rows: Array, other: Array | None) -> tuple[Gaussian, Innovation]:
-    """``x + W white``, ``P - W W'`` with ``W' = L^-1 H P``, ``L L' = S``, from the `_rows`, which it changes.
-
-    One elimination turns (S, H P, z - H x) into (L', W', white).
-    """
+    """``x + W white``, ``P - W W'`` with ``W' = L^-1 H P``, ``L L' = S``, from the `_rows`, which it changes."""
     mean, cov = prior
-    m, n, batch = len(rows), len(mean), rows.shape[2:]
-    volume, white = _eliminate(rows, other), rows[:, -1] if other is None else other
-    nis = np.add.reduce(white * white)
-    log_likelihood = -0.5 * nis - np.log(volume)
-    log_likelihood -= 0.5 * m * LOG_TWO_PI
-    W = rows[:, m : m + n].swapaxes(0, 1)
-    reduced = _product(W, W.swapaxes(0, 1), out=np.empty((n, n, *batch)))
+    m, n = len(rows), len(mean)
+    _, row, column, whole = triangle_of(n)
+    if other is None:
+        explained, innovation = explain(rows)
+        step, triangle = explained[:n], explained[n:]
+    else:
+        volume, W = _eliminate(rows, other), rows[:, m:]
+        step, triangle, nis = _apply(W.swapaxes(0, 1), other), _gram(W, row, column), np.add.reduce(other * other)
+        innovation = Innovation(other, nis, _log_likelihood(nis, volume, m))
+    reduced = triangle.take(whole, 0)
     np.subtract(cov, reduced, out=reduced)
-    variances = reduced.reshape(n * n, *batch)[:: n + 1]  # a view of the diagonal
+    variances = reduced.reshape(n * n, *reduced.shape[2:])[:: n + 1]  # a view of the diagonal
     np.maximum(variances, 0.0, out=variances)  # after an exact measurement they are zero up to rounding
-    return Gaussian(mean + _apply(W, white), reduced), Innovation(white, nis, log_likelihood)
+    return Gaussian(mean + step, reduced), innovation
+
+
+def explain(rows: Array) -> tuple[Array, Innovation]:
+    """``W white`` over the `triangle_of` ``W W'``, (n + n (n + 1) / 2, *B), and the innovation.
+
+    One elimination turns the `_rows` (S, H P, z - H x), which it changes, into (L', W', white).
+    """
+    m = len(rows)
+    volume, told = _eliminate(rows), rows[:, m:]
+    products = _gram(told, *_bordered(told.shape[1] - 1))
+    return products[:-1], Innovation(told[:, -1], products[-1], _log_likelihood(products[-1], volume, m))
+
+
+def _log_likelihood(nis: Array, volume: Array, rows: int) -> Array:
+    """Of so many numbers at a squared distance of ``nis``, with ``volume`` = det L."""
+    log_likelihood = -0.5 * nis - np.log(volume)
+    log_likelihood -= 0.5 * rows * LOG_TWO_PI
+    return log_likelihood
+
+
+def _gram(rows: Array, first: Array, second: Array) -> Array:
+    """Products of the entries ``first`` and ``second`` (p,) of each row, summed over the rows (m, n, *B): (p, *B)."""
+    total = rows[0].take(first, 0)
+    total *= rows[0].take(second, 0)
+    for row in rows[1:]:
+        part = row.take(first, 0)
+        part *= row.take(second, 0)
+        total += part
+    return total
 
 
 def _beside(batch: tuple[int, ...], *blocks: Array) -> Array:
@@ -368,6 +444,8 @@ def _mirror(cov: Array) -> Array:
 def _covers(large: Array, small: Array) -> bool:
     """Whether ``small`` broadcasts into the shape of ``large``."""
     into, shape = large.shape, small.shape
+    if into == shape:
+        return True
     tail = into[max(len(into) - len(shape), 0) :]
     return tail == shape or (
         len(shape) <= len(into) and all(size in (1, whole) for size, whole in zip(shape, tail, strict=True))

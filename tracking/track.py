@@ -32,6 +32,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from contextvars import copy_context
 from dataclasses import dataclass, fields
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
@@ -84,14 +85,17 @@ class Measurements:
         """The measurements of some runs (a slice of the last axis)."""
         R = self.R if np.ndim(self.R) == 3 or self.R.shape[-1] == 1 else self.R[..., chosen]
         candidates = None if self.candidates is None else self.candidates[..., chosen]
-        return Measurements(self.channels, self.time, self.arrival, self.z[..., chosen], R, candidates)
+        return self._part(self.time, self.arrival, self.z[..., chosen], R, candidates)
 
     def rows(self, chosen: slice) -> Measurements:
         """The measurements of some epochs: views of a record that was checked when it was made."""
+        candidates = None if self.candidates is None else self.candidates[chosen]
+        return self._part(self.time[chosen], self.arrival[chosen], self.z[chosen], self.R[chosen], candidates)
+
+    def _part(self, *arrays: Any) -> Measurements:
+        """Some of a record that was checked when it was made, without a check of its own."""
         part = object.__new__(Measurements)
-        for field in fields(self):
-            whole = getattr(self, field.name)
-            kept = whole if field.name == "channels" or whole is None else whole[chosen]
+        for field, kept in zip(fields(self), (self.channels, *arrays), strict=True):
             object.__setattr__(part, field.name, kept)
         return part
 
@@ -114,6 +118,9 @@ def _check_covariances(record: Measurements) -> None:
             upper, lower = R[:, j, i], R[:, i, j]
             if not (upper.any() or lower.any()):
                 continue
+            if (upper == lower).all() and (upper * upper < R[:, i, i] * R[:, j, j]).all():  # the usual case, cheaply
+                pairs = pairs + (upper != 0.0)
+                continue
             said = _said(record, R) if said is None else said
             both, scale = said[:, i, j], np.sqrt(np.abs(R[:, i, i])) * np.sqrt(np.abs(R[:, j, j]))
             _require(not (both & (np.abs(upper - lower) > 1e-9 * scale)).any(), "R is not symmetric")
@@ -121,6 +128,7 @@ def _check_covariances(record: Measurements) -> None:
             _require(not (both & excess).any(), "R is not a covariance: a correlation exceeds 1")
             pairs = pairs + (both & (upper != 0.0))
     if np.any(pairs > 1):  # with one, or none, the correlation has said it all
+        said = _said(record, R) if said is None else said
         matrices = np.moveaxis(np.where(said, R, 0.0), (1, 2), (-2, -1))[np.asarray(pairs) > 1]
         deviations = np.sqrt(np.einsum("...ii->...i", matrices))
         scale = np.where(deviations > 0.0, deviations, 1.0)
@@ -273,30 +281,40 @@ def believed(tracker: Any, state: Any) -> Gaussian | Mixture:
     return estimate
 
 
-def taken(tracker: Any, state: Any, dt: float, z: Any, R: Any) -> tuple[Any, Innovation | None, Any]:
-    """The state dt (s) later with a look taken in, its innovation, and the runs (*B) whose look was not taken.
+class Taken(NamedTuple):
+    """A look taken in."""
 
-    Those go on by their prediction, because the update would have left them without an estimate; None = there are none.
+    state: Any  # of the tracker
+    estimate: Gaussian | Mixture
+    innovation: Innovation | None
+    lost: Any = None  # (*B) runs whose look was not taken; None = there are none
+
+
+def taken(tracker: Any, state: Any, dt: float, z: Any, R: Any) -> Taken:
+    """The state dt (s) later with a look taken in.
+
+    Runs that the update would leave without an estimate go on by their prediction.
     """
     after, innovation = stepped(tracker, state, dt, z, R)
     estimate = believed(tracker, after)
     said = (*estimate, *(() if innovation is None else innovation[1:]))
-    if all(math.isfinite(np.add.reduce(values, axis=None)) for values in said):  # the usual case, cheaply
-        return after, innovation, None
+    if math.isfinite(sum([np.add.reduce(values, axis=None) for values in said])):  # the usual case, cheaply
+        return Taken(after, estimate, innovation)
     batch = np.shape(estimate.mean)[2 if isinstance(estimate, Mixture) else 1 :]
     sound: Any = np.ones(batch, dtype=bool)
     for values in said:
         finite = np.isfinite(values)
         sound = sound & finite.all(axis=tuple(range(finite.ndim - min(finite.ndim, len(batch)))))
     if sound.all():
-        return after, innovation, None
+        return Taken(after, estimate, innovation)
     ahead, _ = stepped(tracker, state, dt)
     lost = ~sound
     if innovation is not None:
         innovation = Innovation(
             np.where(lost, np.nan, innovation.white), *(np.where(lost, 0.0, values) for values in innovation[1:])
         )
-    return choose(sound, after, ahead), innovation, lost
+    state = choose(sound, after, ahead)
+    return Taken(state, believed(tracker, state), innovation, lost)
 
 
 class Epoch(NamedTuple):
@@ -345,22 +363,24 @@ def follow(
     nothing: Any = np.isnan(plots).all(axis=tuple(range(1, plots.ndim))).tolist()
     unusable: Any = absurd.any(axis=tuple(range(1, plots.ndim - batch)))  # (k, *B)
     told = unusable.any(axis=tuple(range(1, unusable.ndim))).tolist()
+    quiet = copy_context()  # a lost run is a result, and goes on as NaN; entered at less than the cost of errstate
+    quiet.run(np.seterr, divide="ignore", over="ignore", invalid="ignore")
+
+    def turn(state: Any, dt: float, index: int) -> Taken:
+        if nothing[index]:
+            state, innovation = stepped(tracker, state, dt)
+            return Taken(state, believed(tracker, state), innovation)
+        z, age = plots[index], float(arrival[index] - time[index])
+        if steers and age > 0.0:
+            state, _ = stepped(tracker, state, dt)
+            z, dt = ask(tracker, "steer", state, z, age), 0.0
+        return taken(tracker, state, dt, z, lift(measurements.R[index], 2, batch))
+
     for index in order.tolist():
-        known = float(arrival[index])
-        z, R, present = plots[index], lift(measurements.R[index], 2, batch), not nothing[index]
-        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost run is a result: it goes on as NaN
-            skipped = unusable[index] if told[index] else None
-            dt = known - now
-            if present and steers and time[index] < known:
-                state, _ = stepped(tracker, state, dt)
-                z, dt = ask(tracker, "steer", state, z, known - float(time[index])), 0.0
-            if present:
-                state, innovation, lost = taken(tracker, state, dt, z, R)
-                skipped = lost if skipped is None else skipped if lost is None else skipped | lost
-            else:
-                state, innovation = stepped(tracker, state, dt)
-            now = known
-            estimate = believed(tracker, state)
+        now, before = float(arrival[index]), now
+        state, estimate, innovation, skipped = quiet.run(turn, state, now - before, index)
+        if told[index]:
+            skipped = unusable[index] if skipped is None else unusable[index] | skipped
         if not fits:
             _check_fit(tracker, estimate)
             fits = True

@@ -138,7 +138,7 @@ class Navigator:
         if np.isnan(z).all():
             return sight
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a lost track is a result
-            tracker, _, _ = taken(self.tracker, sight.tracker, arrival - sight.time, z, R)
+            tracker = taken(self.tracker, sight.tracker, arrival - sight.time, z, R).state
         return sight._replace(tracker=tracker, time=arrival, ahead=tracker, now=arrival)
 
     def _last(self, index: int, quantity: str, measured: np.ndarray, before: float) -> float:

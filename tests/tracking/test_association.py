@@ -86,7 +86,7 @@ def test_imm_against_the_joint_posterior_of_model_and_plot():
         joint = np.array(weights).reshape(4, 3) / np.sum(weights)
         np.testing.assert_allclose(state.weights[:, run], joint.sum(axis=0), rtol=1e-9)
         expected = merge(Mixture(joint.ravel(), np.array(means).T, np.moveaxis(np.array(covs), 0, -1)))
-        measured = merge(state)
+        measured = merge(tracker.estimate(state))
         np.testing.assert_allclose(measured.mean[:, run], expected.mean, rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(measured.cov[..., run], expected.cov, rtol=1e-9, atol=1e-7)
 

@@ -10,6 +10,7 @@ import pytest
 from tracking.gaussian import Gaussian, Mixture, merge
 from tracking.measurement import LinearMeasurement
 from tracking.motion import ConstantVelocity, CoordinatedTurn
+from tracking.packed import pack
 from tracking.track import Measurements, track
 from tracking.trackers.imm import InteractingMultipleModel, ModelSet, improved_set, published_set, switching_over
 from tracking.trackers.imm_published import PublishedModels
@@ -115,9 +116,11 @@ def test_equal_rows_forget_the_model_at_every_step():
     tracker = InteractingMultipleModel(POSITION, ModelSet(MODELS, (row,) * 3, row))
     state = tracker.begin(PRIOR)
     for k in range(20):
-        merged = merge(state)
-        restarted = Mixture(
-            np.array(row), np.repeat(merged.mean[:, None], 3, axis=1), np.repeat(merged.cov[:, :, None], 3, axis=2)
+        merged = merge(tracker.estimate(state))
+        restarted = pack(
+            Mixture(
+                np.array(row), np.repeat(merged.mean[:, None], 3, axis=1), np.repeat(merged.cov[:, :, None], 3, axis=2)
+            )
         )
         same, _ = tracker.step(restarted, 0.7, measurements.z[k], measurements.R[k])
         state, _ = tracker.step(state, 0.7, measurements.z[k], measurements.R[k])

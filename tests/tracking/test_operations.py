@@ -114,7 +114,7 @@ def test_the_cycle_that_is_counted_is_the_one_of_the_tracker():
     for _ in range(3):
         bank, mean, cov = interacting(bank, np.array(switching), matrices, z, counted_inverse)
         judge, _ = tracker.step(judge, 0.7, z, R)
-    merged = merge(judge)
+    merged = merge(tracker.estimate(judge))
     for ours, his in ((bank.weights, judge.weights), (mean, merged.mean), (cov, merged.cov)):
         np.testing.assert_allclose(values(ours), his, rtol=1e-9, atol=1e-9)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from tracking.gaussian import Gaussian, Innovation, Mixture, predict, update_mixture
 from tracking.measurement import MeasurementModel
+from tracking.packed import unpack
 from tracking.trackers.imm import InteractingMultipleModel, ModelSet, published_set, transitions
 
 
@@ -59,7 +60,7 @@ class AutonomousModels:
         return self._interacting.modes
 
     def begin(self, prior: Gaussian) -> Mixture:
-        return self._interacting.begin(prior)
+        return unpack(self._interacting.begin(prior))
 
     def step(self, state: Mixture, dt: float, z: Any | None, R: Any | None) -> tuple[Mixture, Innovation | None]:
         if dt > 0.0:

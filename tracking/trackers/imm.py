@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from tracking.gaussian import Gaussian, Innovation, Mixture, interact, lift, predict, update_mixture
+from tracking.gaussian import Gaussian, Innovation, Mixture, lift
 from tracking.measurement import MeasurementModel
 from tracking.motion import (
     AlongTrackAcceleration,
@@ -19,6 +19,7 @@ from tracking.motion import (
     ScheduledTurn,
     Transition,
 )
+from tracking.packed import Packed, advance, interact, pack, take_in, unpack
 
 STRAIGHT_DENSITY, MANOEUVRE_DENSITY = 0.3, 1.0  # m2/s3, of the improved set: the choice of docs/densities.md
 
@@ -123,25 +124,24 @@ class InteractingMultipleModel:
         """Names of the models."""
         return self._set.names
 
-    def begin(self, prior: Gaussian) -> Mixture:
+    def begin(self, prior: Gaussian) -> Packed:
         batch = prior.mean.ndim - 1
         count = len(self._set.models)
         weights = lift(np.array(self._set.probabilities), 1, batch)
         mean = np.repeat(prior.mean[:, None], count, axis=1)
-        return Mixture(weights, mean, np.repeat(lift(prior.cov, 2, batch)[:, :, None], count, axis=2))
+        return pack(Mixture(weights, mean, np.repeat(lift(prior.cov, 2, batch)[:, :, None], count, axis=2)))
 
-    def step(self, state: Mixture, dt: float, z: Any | None, R: Any | None) -> tuple[Mixture, Innovation | None]:
+    def step(self, state: Packed, dt: float, z: Any | None, R: Any | None) -> tuple[Packed, Innovation | None]:
         if dt > 0.0:  # no time, no switching
             state = interact(state, switching_over(self._set, dt))
-            moved = predict(Gaussian(state.mean, state.cov), *transitions(self._set.models, dt, state.mean))
-            state = Mixture(state.weights, moved.mean, moved.cov)
+            state = advance(state, *transitions(self._set.models, dt, state.mean))
         if z is None:
             return state, None
         predicted = np.einsum("m...,im...->i...", state.weights, state.mean)
-        return update_mixture(state, *self.measurement.linearise(z, R, predicted))
+        return take_in(state, *self.measurement.linearise(z, R, predicted))
 
-    def estimate(self, state: Mixture) -> Mixture:
-        return state
+    def estimate(self, state: Packed) -> Mixture:
+        return unpack(state)
 
 
 def switching_over(model_set: ModelSet, dt: float) -> Any:
@@ -156,7 +156,7 @@ def _power(switching: tuple[tuple[float, ...], ...], periods: float) -> Any:
 
     matrix = np.array(switching)
     if periods.is_integer():
-        return np.linalg.matrix_power(matrix, int(periods))
+        return np.asfortranarray(np.linalg.matrix_power(matrix, int(periods)))  # it is transposed at every step
     part = np.clip(np.real(fractional_matrix_power(matrix, periods)), 0.0, None)
     return part / part.sum(axis=1, keepdims=True)
 
@@ -179,6 +179,7 @@ def transitions(models: tuple[Motion, ...], dt: float, mean: Any) -> Transition:
 def _fixed(models: tuple[Motion, ...], dt: float, batch: int) -> Transition:
     each = [model.transition(dt, None) for model in models]
     F, Q = (np.stack(matrices) for matrices in ([one.F for one in each], [one.Q for one in each]))
+    F.flags.writeable = Q.flags.writeable = False
     return Transition(lift(np.moveaxis(F, 0, -1), 3, batch), lift(np.moveaxis(Q, 0, -1), 3, batch))
 
 

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from tracking.gaussian import Gaussian, Innovation, Mixture
 from tracking.measurement import MeasurementModel
 from tracking.motion import CARTESIAN
+from tracking.packed import Packed
 from tracking.trackers.imm import InteractingMultipleModel, published_set
 
 
@@ -35,11 +36,11 @@ class PublishedModels:
         """Names of the models."""
         return self._filter.modes
 
-    def begin(self, prior: Gaussian) -> Mixture:
+    def begin(self, prior: Gaussian) -> Packed:
         return self._filter.begin(prior)
 
-    def step(self, state: Mixture, dt: float, z: Any | None, R: Any | None) -> tuple[Mixture, Innovation | None]:
+    def step(self, state: Packed, dt: float, z: Any | None, R: Any | None) -> tuple[Packed, Innovation | None]:
         return self._filter.step(state, dt, z, R)
 
-    def estimate(self, state: Mixture) -> Mixture:
-        return state
+    def estimate(self, state: Packed) -> Mixture:
+        return self._filter.estimate(state)

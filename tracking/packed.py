@@ -1,0 +1,151 @@
+"""A mixture as one array, for the interacting models of many runs: means, and one triangle of each covariance.
+
+Half the numbers and half the calls of the general algebra of `tracking.gaussian`, where the motion and the measurement
+are matrices that all runs share: these then act on mean and covariance as one matrix each, which is made once.
+Everything else takes the general way.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tracking.gaussian import (
+    Gaussian,
+    Innovation,
+    Mixture,
+    explain,
+    lift,
+    matched,
+    mixed_moments,
+    over,
+    predict,
+    reweigh,
+    triangle_of,
+    update_mixture,
+)
+
+Array = Any
+
+
+class Packed(NamedTuple):
+    """Hypotheses with their weights and moments."""
+
+    weights: Array  # (M, *B), sum to one over M
+    moments: Array  # (n + n (n + 1) / 2, M, *B): means, and the `triangle_of` each covariance
+
+    @property
+    def mean(self) -> Array:
+        """(n, M, *B), a view."""
+        return self.moments[: _states(len(self.moments))]
+
+    @property
+    def cov(self) -> Array:
+        """(n, n, M, *B), a copy."""
+        n = _states(len(self.moments))
+        return self.moments[n:].take(triangle_of(n)[3], 0)
+
+
+def pack(mixture: Mixture) -> Packed:
+    """Of a mixture."""
+    weights, mean, cov = mixture
+    n = len(mean)
+    return Packed(weights, over(mean, cov.reshape(n * n, *cov.shape[2:]).take(triangle_of(n)[0], 0)))
+
+
+def unpack(packed: Packed) -> Mixture:
+    """The mixture; its means are a view."""
+    return Mixture(packed.weights, packed.mean, packed.cov)
+
+
+def interact(packed: Packed, switching: Array) -> Packed:
+    """As `tracking.gaussian.interact`."""
+    weights, moments = packed
+    n = _states(len(moments))
+    mixed = mixed_moments(weights, moments[:n], moments[n:], switching)
+    return Packed(mixed[0], mixed[1:])
+
+
+def advance(packed: Packed, F: Array, Q: Array, u: Array | None = None) -> Packed:
+    """As `tracking.gaussian.predict`, for all hypotheses; F, Q (n, n, M, *C), u (n, M, *B)."""
+    weights, moments = packed
+    if u is not None or not _comes_again(F):
+        moved = predict(Gaussian(packed.mean, packed.cov), F, Q, u)
+        return pack(Mixture(weights, *moved))
+    A, q = _motion(_digits(F), _digits(Q), F.shape, Q.shape)
+    flat = moments.reshape(*moments.shape[:2], -1)
+    after = np.empty(flat.shape)
+    np.matmul(A, flat.swapaxes(0, 1), out=after.swapaxes(0, 1))
+    after += q
+    return Packed(weights, after.reshape(moments.shape))
+
+
+def take_in(packed: Packed, z: Array, H: Array, R: Array) -> tuple[Packed, Innovation]:
+    """As `tracking.gaussian.update_mixture`, with the same z, H and R."""
+    weights, moments = packed
+    n, m, batch = _states(len(moments)), len(z), moments.ndim - 2
+    whole = math.isfinite(np.add.reduce(z, axis=None)) and z.shape[1:] == moments.shape[2:]
+    if not whole or H.ndim > 2 or H.flags.writeable or R.ndim > batch + 2:
+        updated, innovation = update_mixture(unpack(packed), z, H, R)
+        return pack(updated), innovation
+    rows = (_looks(_digits(H), H.shape) @ moments.reshape(len(moments), -1)).reshape(m, -1, *moments.shape[1:])
+    residual = rows[:, -1]
+    np.subtract(z[:, None], residual, out=residual)
+    S = rows[:, :m]
+    S += lift(R, 2, batch)[:, :, None]
+    white = matched(weights, residual, rows)
+    explained, each = explain(rows)
+    step, triangle = explained[:n], explained[n:]
+    step += moments[:n]
+    np.subtract(moments[n:], triangle, out=triangle)
+    variances = triangle[:n]
+    np.maximum(variances, 0.0, out=variances)  # after an exact measurement they are zero up to rounding
+    weights, log_likelihood = reweigh(weights, each.log_likelihood)
+    return Packed(weights, explained), Innovation(white, np.add.reduce(white * white), log_likelihood)
+
+
+def _comes_again(F: Array) -> bool:
+    """Whether F is a constant, which is what nobody may write to, and the same for all runs."""
+    return not F.flags.writeable and F.size == F.shape[0] ** 2 * F.shape[2]
+
+
+def _digits(matrix: Array) -> bytes:
+    """What a matrix is kept by."""
+    return np.asarray(matrix, dtype=float).tobytes()
+
+
+@lru_cache
+def _states(numbers: int) -> int:
+    """n of n + n (n + 1) / 2 numbers."""
+    return (math.isqrt(9 + 8 * numbers) - 3) // 2
+
+
+@lru_cache(maxsize=256)
+def _motion(F: bytes, Q: bytes, shape: tuple[int, ...], noise: tuple[int, ...]) -> tuple[Array, Array]:
+    """``x+ = F x``, ``P+ = F P F' + Q`` of each hypothesis as ``A moments + q``: (M, K, K) and (K, M, 1)."""
+    moved = np.frombuffer(F).reshape(*shape[:3])
+    n, count = len(moved), shape[2]
+    upper, row, column, whole = triangle_of(n)
+    A = np.zeros((count, n + len(upper), n + len(upper)))
+    A[:, :n, :n] = np.moveaxis(moved, 2, 0)
+    for (k, l), entry in np.ndenumerate(whole):  # (i, j) of F P F' is the sum of F_ik P_kl F_jl
+        A[:, n:, n + entry] += (moved[row, k] * moved[column, l]).T
+    q = np.zeros((n + len(upper), count, 1))
+    q[n:, :, 0] = np.frombuffer(Q).reshape(n * n, *noise[2:3])[upper]
+    return A, q
+
+
+@lru_cache(maxsize=256)
+def _looks(H: bytes, shape: tuple[int, ...]) -> Array:
+    """``(H P H', H P, H x)`` row by row as a matrix times the moments, (m (m + n + 1), K)."""
+    m, n = shape
+    look, (upper, _, _, whole) = np.frombuffer(H).reshape(shape), triangle_of(n)
+    looks = np.zeros((m, m + n + 1, n + len(upper)))
+    looks[:, -1, :n] = look
+    for (k, l), entry in np.ndenumerate(whole):
+        looks[:, :m, n + entry] += look[:, None, k] * look[None, :, l]
+        looks[:, m + l, n + entry] += look[:, k]
+    return looks.reshape(-1, looks.shape[2])
