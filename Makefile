@@ -33,7 +33,7 @@ demo: .venv/ready
 	$(BIN)/shortfinal run an26_pattern -o out/an26_pattern
 
 test: .venv/ready lint
-	$(BIN)/python -m pytest -n 2 -m "not acceptance and not soak"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not acceptance and not soak"
 
 # A file of each package and of each library that is held down; old libraries may warn about newer ones of others.
 OLDEST := build/oldest
@@ -98,7 +98,7 @@ bench: .venv/ready
 	$(BIN)/python tests/benchmarks/run.py
 
 soak: .venv/ready
-	$(BIN)/python -m pytest -n 2 -m soak
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m soak
 	$(BIN)/python -m tests.soak.soak
 	$(BIN)/python -m tests.soak.interrupts
 

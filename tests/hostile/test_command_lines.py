@@ -63,7 +63,7 @@ def complaint(name: str, said: str, answer: Answer) -> str:
     return "" if good else f"{name}: wanted '{said}', got {answer}"
 
 
-@pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("every", [8, pytest.param(1, marks=pytest.mark.soak)])
 def test_a_wrong_command_is_one_sentence_and_exit_two_and_writes_nothing(every, tmp_path):
     sandbox = Sandbox(tmp_path)
     furnish(sandbox)
