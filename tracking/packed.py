@@ -72,7 +72,7 @@ def interact(packed: Packed, switching: Array) -> Packed:
 def advance(packed: Packed, F: Array, Q: Array, u: Array | None = None) -> Packed:
     """As `tracking.gaussian.predict`, for all hypotheses; F, Q (n, n, M, *C), u (n, M, *B)."""
     weights, moments = packed
-    if u is not None or not _comes_again(F):
+    if u is not None or not (_comes_again(F) and _comes_again(Q)):
         moved = predict(Gaussian(packed.mean, packed.cov), F, Q, u)
         return pack(Mixture(weights, *moved))
     A, q = _motion(_digits(F), _digits(Q), F.shape, Q.shape)
@@ -107,9 +107,9 @@ def take_in(packed: Packed, z: Array, H: Array, R: Array) -> tuple[Packed, Innov
     return Packed(weights, explained), Innovation(white, np.add.reduce(white * white), log_likelihood)
 
 
-def _comes_again(F: Array) -> bool:
-    """Whether F is a constant, which is what nobody may write to, and the same for all runs."""
-    return not F.flags.writeable and F.size == F.shape[0] ** 2 * F.shape[2]
+def _comes_again(matrix: Array) -> bool:
+    """Whether a matrix (n, n, M, *C) is a constant, which is what nobody may write to, and the same for all runs."""
+    return not matrix.flags.writeable and matrix.size == matrix.shape[0] ** 2 * matrix.shape[2]
 
 
 def _digits(matrix: Array) -> bytes:

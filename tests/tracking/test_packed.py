@@ -56,15 +56,15 @@ def test_mixing(rng, batch):
     assert_alike(interact(pack(whole), SWITCHING), gaussian.interact(whole, SWITCHING))
 
 
-@pytest.mark.parametrize("moved", ["constant", "constant, one noise", "own to each run", "with an input"])
+@pytest.mark.parametrize("moved", ["constant", "one noise", "noise of each run", "own to each run", "with an input"])
 @pytest.mark.parametrize("batch", BATCHES)
 def test_prediction(rng, batch, moved):
     whole = mixture(rng, batch)
     shared = (1,) * len(batch)
     F = rng.standard_normal((N, N, MODELS, *(batch if "own" in moved else shared)))
-    Q = covariance(rng, N, 1 if "noise" in moved else MODELS, *shared)
+    Q = covariance(rng, N, 1 if "one" in moved else MODELS, *(batch if "each" in moved else shared))
     u = rng.standard_normal((N, MODELS, *batch)) if "input" in moved else None
-    F = F if "own" in moved else constant(F)
+    F, Q = F if "own" in moved else constant(F), constant(Q)
     general = gaussian.predict(Gaussian(whole.mean, whole.cov), F, Q, u)
     assert_alike(advance(pack(whole), F, Q, u), (whole.weights, *general))
 
@@ -94,7 +94,7 @@ def test_a_prior_of_all_runs_meets_their_measurements(rng):
 
 
 def test_a_matrix_that_is_written_to_is_not_taken_for_what_it_was(rng):
-    whole, Q = mixture(rng, ()), covariance(rng, N, MODELS)
+    whole, Q = mixture(rng, ()), constant(covariance(rng, N, MODELS))
     F = rng.standard_normal((N, N, MODELS))
     first = advance(pack(whole), constant(F), Q)
     F.flags.writeable = True
