@@ -179,7 +179,8 @@ def _switched(switching: Array, values: Array) -> Array:
 
 def _common(*shapes: tuple[int, ...]) -> tuple[int, ...]:
     """The shape to which all of these broadcast."""
-    return shapes[0] if len(set(shapes)) == 1 else np.broadcast_shapes(*shapes)
+    first, *others = shapes
+    return first if others.count(first) == len(others) else np.broadcast_shapes(*shapes)
 
 
 @lru_cache
@@ -215,7 +216,7 @@ def reweigh(weights: Array, log_likelihood: Array) -> tuple[Array, Array]:
     posterior = np.exp(log_likelihood - best)
     posterior *= weights
     total = np.add.reduce(posterior)
-    if not np.minimum.reduce(total, axis=None) > 1e-200:  # the best hypothesis has no weight, or a lost run is NaN
+    if not (total > 1e-200).all():  # the best hypothesis has no weight, or a lost run is NaN
         supported = np.where(weights > 0.0, log_likelihood, -np.inf)
         best = supported.max(axis=0)
         posterior = np.exp(supported - best) * weights

@@ -346,16 +346,15 @@ def follow(
     TrackerError : the tracker does not keep its contract.
     """
     _check_covariances(measurements)  # arrays can be written to after the record was made
-    time, arrival = np.asarray(measurements.time, dtype=float), np.asarray(measurements.arrival, dtype=float)
-    if not len(time):
+    time, arrival = (np.asarray(times, dtype=float).tolist() for times in (measurements.time, measurements.arrival))
+    if not time:
         return
     batch = measurements.z.ndim - 2
     state = ask(tracker, "begin", _checked(prior, batch))
-    order = np.argsort(arrival, kind="stable")
-    now = float(arrival[order[0]]) if start is None else float(start)
-    _require(
-        now <= arrival[order[0]], f"the prior holds at {now:g} s, after the first arrival at {arrival[order[0]]:g} s"
-    )
+    order = np.argsort(arrival, kind="stable").tolist()
+    first = arrival[order[0]]
+    now = first if start is None else float(start)
+    _require(now <= first, f"the prior holds at {now:g} s, after the first arrival at {first:g} s")
     steers, fits = isinstance(tracker, TimeStamped), False
     plots = measurements.z if measurements.candidates is None else measurements.candidates
     absurd: Any = np.abs(plots) > FARTHEST
@@ -370,14 +369,14 @@ def follow(
         if nothing[index]:
             state, innovation = stepped(tracker, state, dt)
             return Taken(state, believed(tracker, state), innovation)
-        z, age = plots[index], float(arrival[index] - time[index])
-        if steers and age > 0.0:
+        z = plots[index]
+        if steers and time[index] < arrival[index]:
             state, _ = stepped(tracker, state, dt)
-            z, dt = ask(tracker, "steer", state, z, age), 0.0
+            z, dt = ask(tracker, "steer", state, z, arrival[index] - time[index]), 0.0
         return taken(tracker, state, dt, z, lift(measurements.R[index], 2, batch))
 
-    for index in order.tolist():
-        now, before = float(arrival[index]), now
+    for index in order:
+        now, before = arrival[index], now
         state, estimate, innovation, skipped = quiet.run(turn, state, now - before, index)
         if told[index]:
             skipped = unusable[index] if skipped is None else unusable[index] | skipped
