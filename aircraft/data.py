@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_type_hints
 
 from aircraft.errors import ModelError
-from aircraft.landing_gear import height_of_wheels, steering, touchdown_pitch, wheel_track
+from aircraft.landing_gear import height_of_wheels, steering, touchdown_bank, touchdown_pitch, wheel_track
 from aircraft.loading import total_mass
 from aircraft.model_files import Model, folder, is_file, read
 from aircraft.safe_xml import confined
@@ -49,6 +49,7 @@ class AircraftData:
     height_of_wheels: Annotated[float, "m"] = 0.0  # centre of gravity above the main wheels, gear down
     lowest_touchdown_pitch: Annotated[float, "rad"] = -math.pi / 2.0  # at which the nose wheel touches with the mains
     highest_touchdown_pitch: Annotated[float, "rad"] = math.pi / 2.0  # at which the tail does
+    highest_touchdown_bank: Annotated[float, "rad"] = math.pi / 2.0  # at which a wing tip does
     gear_placard_speed: Annotated[float, "m/s"] = math.inf
     sink_limit: Annotated[float, "m/s"] = 3.05
     tailwind_limit: Annotated[float, "m/s"] = math.inf
@@ -97,6 +98,7 @@ def describe(source: Model, model: str | Path) -> AircraftData:
         "height_of_wheels": height_of_wheels(source),
         "lowest_touchdown_pitch": lowest,
         "highest_touchdown_pitch": highest,
+        "highest_touchdown_bank": touchdown_bank(source),
     }
     from_model |= dict(zip(("wheelbase", "steering_limit"), steering(source), strict=True))
     if not is_file(path):

@@ -95,6 +95,21 @@ def touchdown_pitch(model: Model) -> tuple[float, float]:
     return lowest, highest
 
 
+def touchdown_bank(model: Model) -> float:
+    """Bank, rad, at which a wing tip, or what else is outside the main wheels, touches level ground with one of these.
+
+    At level pitch; without such a contact it is 90 deg.
+    """
+    highest = math.pi / 2.0
+    mains = main_wheels(model)
+    for contact in contacts(model) if mains else ():
+        if contact.part == WING_TIP:
+            _, _, y, z = contact.point
+            wheel = max(mains, key=lambda wheel: math.copysign(wheel.y, wheel.y * y))
+            highest = min(highest, math.atan2(z - wheel.z, abs(y) - abs(wheel.y)))
+    return highest
+
+
 def _axle(mains: tuple[Wheel, ...]) -> tuple[float, float]:
     """(x, z) m of the main wheels, in the middle and of the lowest."""
     return sum(wheel.x for wheel in mains) / len(mains), min(wheel.z for wheel in mains)

@@ -313,7 +313,7 @@ class Approach:
         if phase == GLIDE and state.height - landing.wheel_height >= landing.align_height:
             return bank, 0.0, crab + (deviation.heading_error - crab) * share, 0.0
         aligned = min(aligned + share, 1.0)
-        sideslip = aligned * saturate(crab, landing.sideslip_limit)
+        sideslip = aligned * saturate(crab, landing.most_sideslip)
         return bank + landing.sideslip_bank * sideslip if phase != GROUND else 0.0, sideslip, crab, aligned
 
 

@@ -15,6 +15,7 @@ REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
 TOUCHDOWN_MARGIN = 1.15  # over the stall, at which a flare means to end; it is not slowed down further
 ATTITUDE_HEIGHT = 3.0  # m of the wheels, below which the pitch is led towards what the landing gear allows
 CLEARANCE = math.radians(1.0)  # from the pitch at which nose wheel or tail would touch with the main wheels
+FREE_BANK = 0.5  # of the bank at which a wing tip would touch; the rest is for gusts, and tips behind the wheels
 TOUCHDOWN_ANGLE = 0.4 / 58.0  # rad, of the path on which the flare meets the runway
 POSITIVE = (
     *("approach_speed", "glide_path", "capture_load_factor", "capture_cross_track", "flare_time"),
@@ -48,6 +49,7 @@ class Landing:
     wheel_height: Annotated[float, "given"] = 0.0  # m, height of the aircraft's position with the wheels on the ground
     lowest_pitch: Annotated[float, "given"] = -math.pi / 2.0  # rad, with nose wheel and main wheels down
     highest_pitch: Annotated[float, "given"] = math.pi / 2.0  # rad, with tail and main wheels down
+    highest_bank: Annotated[float, "given"] = math.pi / 2.0  # rad, with a wing tip and a main wheel down
     sideslip_bank: Annotated[float, "given"] = 0.0  # bank per sideslip that keeps the track straight
     gate: Annotated[StabilisedGate, "given"] = field(default_factory=StabilisedGate)
 
@@ -62,6 +64,17 @@ class Landing:
     def slope(self) -> float:
         """Tangent of the glide path."""
         return math.tan(self.glide_path)
+
+    @cached_property
+    def most_sideslip(self) -> float:
+        """Sideslip, rad, of the de-crab at most; what then stays of the crab is left to the wheels.
+
+        Its bank is `FREE_BANK` of what brings a wing tip down, at most: an airliner that needs 2 deg of bank for one of
+        sideslip would strike its tip in 10 m/s of crosswind.
+        """
+        if self.sideslip_bank <= 0.0:
+            return self.sideslip_limit
+        return min(self.sideslip_limit, max(FREE_BANK * self.highest_bank, 0.0) / self.sideslip_bank)
 
     def may_descend(self, cross_track: float, distance: float, is_established: bool) -> bool:
         """Whether the glide path may be followed so far (m) off the line and before the aiming point.

@@ -10,7 +10,7 @@ import pytest
 
 from aircraft.airframe import InitialCondition, load
 from aircraft.data import data
-from aircraft.landing_gear import contacts, main_wheels, touchdown_pitch
+from aircraft.landing_gear import contacts, main_wheels, touchdown_bank, touchdown_pitch
 from aircraft.linearise import linearise
 from aircraft.model_files import ModelError, read, stock_root
 from aircraft.modes import modes
@@ -216,16 +216,18 @@ def test_a_model_that_cannot_trim_fails_with_one_sentence():
 
 
 @pytest.mark.parametrize(
-    ("model", "parts", "lowest", "highest"),
+    ("model", "parts", "lowest", "highest", "bank"),
     [
-        ("c172x", [NOSE_WHEEL, MAIN_WHEEL, MAIN_WHEEL, TAIL, WING_TIP, WING_TIP], 1.36, 11.52),
-        ("J3Cub", [TAIL_WHEEL, MAIN_WHEEL, MAIN_WHEEL, WING_TIP, WING_TIP], -90.0, 12.10),
-        ("B747", [NOSE_WHEEL, MAIN_WHEEL, MAIN_WHEEL], -0.49, 90.0),
-        ("dr1", [MAIN_WHEEL, MAIN_WHEEL, TAIL_WHEEL, TAIL, TAIL, *[WING_TIP] * 4], -90.0, 16.31),
+        ("c172x", [NOSE_WHEEL, MAIN_WHEEL, MAIN_WHEEL, TAIL, WING_TIP, WING_TIP], 1.36, 11.52, 25.32),
+        ("J3Cub", [TAIL_WHEEL, MAIN_WHEEL, MAIN_WHEEL, WING_TIP, WING_TIP], -90.0, 12.10, 23.96),
+        ("B747", [NOSE_WHEEL, MAIN_WHEEL, MAIN_WHEEL], -0.49, 90.0, 90.0),
+        ("dr1", [MAIN_WHEEL, MAIN_WHEEL, TAIL_WHEEL, TAIL, TAIL, *[WING_TIP] * 4], -90.0, 16.31, 27.85),
     ],
 )
-def test_parts_are_told_by_their_places(model, parts, lowest, highest):
+def test_parts_are_told_by_their_places(model, parts, lowest, highest, bank):
     """Angles by hand from the inches of the model's file: c172x, nose 1.54 in lower, 65 in ahead of the main wheels."""
     source = read(model)
     assert [contact.part for contact in contacts(source)] == parts
-    assert np.degrees(touchdown_pitch(source)) == pytest.approx((lowest, highest), abs=0.01)
+    assert np.degrees((*touchdown_pitch(source), touchdown_bank(source))) == pytest.approx(
+        (lowest, highest, bank), abs=0.01
+    )

@@ -45,6 +45,7 @@ def configured(scenario: Scenario, aircraft: AircraftData) -> tuple[float, Landi
         wheel_height=aircraft.height_of_wheels,
         lowest_pitch=aircraft.lowest_touchdown_pitch,
         highest_pitch=aircraft.highest_touchdown_pitch,
+        highest_bank=aircraft.highest_touchdown_bank,
         gate=StabilisedGate(
             scenario.autopilot.gate_height,
             sink=max(StabilisedGate.sink, SINK_MARGIN * speed * math.tan(glide_path)),

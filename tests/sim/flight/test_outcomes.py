@@ -141,6 +141,16 @@ def reason_after(banks, legs=None):
     return monitor(HIGH._replace(bank=math.radians(last[0])), last[1], "go_around")[1]
 
 
+def test_an_airliner_leaves_its_wheels_some_of_the_crab_and_keeps_its_wing_tips_off_the_ground():
+    """A320 of JSBSim in 12 m/s of crosswind: 7.2 deg of crab would ask for 13 deg of bank, its tips touch at 11.3."""
+    prepared = prepare(read("a320", {"start.phase": "final", "wind.crosswind_mps": 12.0}))
+    flight = sim.fly(prepared)
+    assert (flight.outcome, flight.reason[-16:]) == ("landed", "main wheel first")
+    low = flight.state.height < prepared.autopilot.landing.align_height
+    assert math.degrees(abs(flight.state.bank[low]).max()) < 0.6 * 11.3  # half of it, and what the roll overshoots
+    assert 3.0 < math.degrees(abs(flight.state.heading[-1] - prepared.scenario.runway.heading)) < 5.0
+
+
 def test_an_aircraft_that_swings_says_why():
     assert (
         reason_after([0, 14, 0, -14, 0, 14])
