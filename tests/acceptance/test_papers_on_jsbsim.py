@@ -222,7 +222,7 @@ def test_kychak_on_the_glide_path(row):
 
 def test_consistency_of_the_law_aware_on_jsbsim(row):
     result = ran("vasylyev2003_jsbsim", LAWS, 400)
-    track = result.tracks["saturated_control"].track
+    track = result.tracks["saturated_control_published"].track
     truth = truth_at(result.flight, track.time)
     cov = track.cov if track.cov.ndim == 4 else track.cov[..., None]
     compared = comparison.compare(result.flight, truth, track.channels, track.mean, cov, {})["cross_track_m"]
