@@ -173,6 +173,8 @@ def _switched(switching: Array, values: Array) -> Array:
     """Sum over the hypotheses i before of ``theta_ij`` times their values (r, M, *B), for each j after."""
     if switching.ndim > 2:
         return np.einsum("ij...,ri...->rj...", switching, values)
+    if values.ndim == 2:  # a single run
+        return values @ switching
     r, M = values.shape[:2]
     return (switching.T @ values.reshape(r, M, -1)).reshape(values.shape)
 
@@ -340,9 +342,10 @@ def _log_likelihood(nis: Array, volume: Array, rows: int) -> Array:
 
 def _gram(rows: Array, first: Array, second: Array) -> Array:
     """Products of the entries ``first`` and ``second`` (p,) of each row, summed over the rows (m, n, *B): (p, *B)."""
-    total = rows[0].take(first, 0)
-    total *= rows[0].take(second, 0)
-    for row in rows[1:]:
+    row, *others = rows
+    total = row.take(first, 0)
+    total *= row.take(second, 0)
+    for row in others:
         part = row.take(first, 0)
         part *= row.take(second, 0)
         total += part

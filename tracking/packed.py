@@ -45,8 +45,7 @@ class Packed(NamedTuple):
     @property
     def cov(self) -> Array:
         """(n, n, M, *B), a copy."""
-        n = _states(len(self.moments))
-        return self.moments[n:].take(triangle_of(n)[3], 0)
+        return unpack(self).cov
 
 
 def pack(mixture: Mixture) -> Packed:
@@ -58,7 +57,9 @@ def pack(mixture: Mixture) -> Packed:
 
 def unpack(packed: Packed) -> Mixture:
     """The mixture; its means are a view."""
-    return Mixture(packed.weights, packed.mean, packed.cov)
+    weights, moments = packed
+    n = _states(len(moments))
+    return Mixture(weights, moments[:n], moments[n:].take(triangle_of(n)[3], 0))
 
 
 def interact(packed: Packed, switching: Array) -> Packed:
@@ -69,18 +70,40 @@ def interact(packed: Packed, switching: Array) -> Packed:
     return Packed(mixed[0], mixed[1:])
 
 
-def advance(packed: Packed, F: Array, Q: Array, u: Array | None = None) -> Packed:
-    """As `tracking.gaussian.predict`, for all hypotheses; F, Q (n, n, M, *C), u (n, M, *B)."""
+class Shift(NamedTuple):
+    """A motion that is the same for all runs and at every step of one length: ``A moments + q`` of each hypothesis."""
+
+    A: Array  # (M, n + n (n + 1) / 2, n + n (n + 1) / 2)
+    q: Array  # (n + n (n + 1) / 2, M, 1)
+
+
+def shift_of(F: Array, Q: Array) -> Shift:
+    """``x+ = F x``, ``P+ = F P F' + Q`` of every hypothesis; F, Q (n, n, M)."""
+    n, count = len(F), F.shape[2]
+    upper, row, column, whole = triangle_of(n)
+    A = np.zeros((count, n + len(upper), n + len(upper)))
+    A[:, :n, :n] = np.moveaxis(F, 2, 0)
+    for (k, l), entry in np.ndenumerate(whole):  # (i, j) of F P F' is the sum of F_ik P_kl F_jl
+        A[:, n:, n + entry] += (F[row, k] * F[column, l]).T
+    q = np.zeros((n + len(upper), count, 1))
+    q[n:, :, 0] = Q.reshape(n * n, count)[upper]
+    return Shift(A, q)
+
+
+def shifted(packed: Packed, shift: Shift) -> Packed:
+    """`advance` by a motion that all runs share."""
     weights, moments = packed
-    if u is not None or not (_comes_again(F) and _comes_again(Q)):
-        moved = predict(Gaussian(packed.mean, packed.cov), F, Q, u)
-        return pack(Mixture(weights, *moved))
-    A, q = _motion(_digits(F), _digits(Q), F.shape, Q.shape)
     flat = moments.reshape(*moments.shape[:2], -1)
     after = np.empty(flat.shape)
-    np.matmul(A, flat.swapaxes(0, 1), out=after.swapaxes(0, 1))
-    after += q
+    np.matmul(shift.A, flat.swapaxes(0, 1), out=after.swapaxes(0, 1))
+    after += shift.q
     return Packed(weights, after.reshape(moments.shape))
+
+
+def advance(packed: Packed, F: Array, Q: Array, u: Array | None = None) -> Packed:
+    """As `tracking.gaussian.predict`, for all hypotheses; F, Q (n, n, M, *C), u (n, M, *B)."""
+    weights, mean, cov = unpack(packed)
+    return pack(Mixture(weights, *predict(Gaussian(mean, cov), F, Q, u)))
 
 
 def take_in(packed: Packed, z: Array, H: Array, R: Array) -> tuple[Packed, Innovation]:
@@ -88,10 +111,10 @@ def take_in(packed: Packed, z: Array, H: Array, R: Array) -> tuple[Packed, Innov
     weights, moments = packed
     n, m, batch = _states(len(moments)), len(z), moments.ndim - 2
     whole = math.isfinite(np.add.reduce(z, axis=None)) and z.shape[1:] == moments.shape[2:]
-    if not whole or H.ndim > 2 or H.flags.writeable or R.ndim > batch + 2:
+    if not whole or not _comes_again(H) or R.ndim > batch + 2:
         updated, innovation = update_mixture(unpack(packed), z, H, R)
         return pack(updated), innovation
-    rows = (_looks(_digits(H), H.shape) @ moments.reshape(len(moments), -1)).reshape(m, -1, *moments.shape[1:])
+    rows = (_looks(H.tobytes(), H.shape) @ moments.reshape(len(moments), -1)).reshape(m, -1, *moments.shape[1:])
     residual = rows[:, -1]
     np.subtract(z[:, None], residual, out=residual)
     S = rows[:, :m]
@@ -107,35 +130,15 @@ def take_in(packed: Packed, z: Array, H: Array, R: Array) -> tuple[Packed, Innov
     return Packed(weights, explained), Innovation(white, np.add.reduce(white * white), log_likelihood)
 
 
-def _comes_again(matrix: Array) -> bool:
-    """Whether a matrix (n, n, M, *C) is a constant, which is what nobody may write to, and the same for all runs."""
-    return not matrix.flags.writeable and matrix.size == matrix.shape[0] ** 2 * matrix.shape[2]
-
-
-def _digits(matrix: Array) -> bytes:
-    """What a matrix is kept by."""
-    return np.asarray(matrix, dtype=float).tobytes()
+def _comes_again(H: Array) -> bool:
+    """Whether H is a constant, which is what nobody may write to, and the same for all runs and hypotheses."""
+    return H.ndim == 2 and not H.flags.writeable and H.dtype == float
 
 
 @lru_cache
 def _states(numbers: int) -> int:
     """n of n + n (n + 1) / 2 numbers."""
     return (math.isqrt(9 + 8 * numbers) - 3) // 2
-
-
-@lru_cache(maxsize=256)
-def _motion(F: bytes, Q: bytes, shape: tuple[int, ...], noise: tuple[int, ...]) -> tuple[Array, Array]:
-    """``x+ = F x``, ``P+ = F P F' + Q`` of each hypothesis as ``A moments + q``: (M, K, K) and (K, M, 1)."""
-    moved = np.frombuffer(F).reshape(*shape[:3])
-    n, count = len(moved), shape[2]
-    upper, row, column, whole = triangle_of(n)
-    A = np.zeros((count, n + len(upper), n + len(upper)))
-    A[:, :n, :n] = np.moveaxis(moved, 2, 0)
-    for (k, l), entry in np.ndenumerate(whole):  # (i, j) of F P F' is the sum of F_ik P_kl F_jl
-        A[:, n:, n + entry] += (moved[row, k] * moved[column, l]).T
-    q = np.zeros((n + len(upper), count, 1))
-    q[n:, :, 0] = np.frombuffer(Q).reshape(n * n, *noise[2:3])[upper]
-    return A, q
 
 
 @lru_cache(maxsize=256)

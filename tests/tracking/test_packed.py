@@ -7,7 +7,7 @@ import pytest
 
 from tracking import gaussian
 from tracking.gaussian import Gaussian, Mixture, lift
-from tracking.packed import advance, interact, pack, take_in, unpack
+from tracking.packed import advance, interact, pack, shift_of, shifted, take_in, unpack
 
 N, MODELS, CHANNELS = 4, 3, 2
 SWITCHING = np.array([[0.9, 0.08, 0.02], [0.3, 0.6, 0.1], [0.0, 0.25, 0.75]])  # not symmetric
@@ -56,15 +56,17 @@ def test_mixing(rng, batch):
     assert_alike(interact(pack(whole), SWITCHING), gaussian.interact(whole, SWITCHING))
 
 
-@pytest.mark.parametrize("moved", ["constant", "one noise", "noise of each run", "own to each run", "with an input"])
 @pytest.mark.parametrize("batch", BATCHES)
-def test_prediction(rng, batch, moved):
-    whole = mixture(rng, batch)
-    shared = (1,) * len(batch)
-    F = rng.standard_normal((N, N, MODELS, *(batch if "own" in moved else shared)))
-    Q = covariance(rng, N, 1 if "one" in moved else MODELS, *(batch if "each" in moved else shared))
-    u = rng.standard_normal((N, MODELS, *batch)) if "input" in moved else None
-    F, Q = F if "own" in moved else constant(F), constant(Q)
+def test_prediction_by_a_motion_that_all_runs_share(rng, batch):
+    whole, F, Q = mixture(rng, batch), rng.standard_normal((N, N, MODELS)), covariance(rng, N, MODELS)
+    general = gaussian.predict(Gaussian(whole.mean, whole.cov), *(lift(matrix, 3, len(batch)) for matrix in (F, Q)))
+    assert_alike(shifted(pack(whole), shift_of(F, Q)), (whole.weights, *general))
+
+
+@pytest.mark.parametrize("batch", BATCHES)
+def test_prediction_by_a_motion_of_each_run_with_an_input(rng, batch):
+    whole, F, Q = mixture(rng, batch), rng.standard_normal((N, N, MODELS, *batch)), covariance(rng, N, MODELS, *batch)
+    u = rng.standard_normal((N, MODELS, *batch))
     general = gaussian.predict(Gaussian(whole.mean, whole.cov), F, Q, u)
     assert_alike(advance(pack(whole), F, Q, u), (whole.weights, *general))
 
@@ -93,11 +95,11 @@ def test_a_prior_of_all_runs_meets_their_measurements(rng):
     assert_alike(take_in(pack(whole), z, H, R)[0], gaussian.update_mixture(whole, z, H, R)[0])
 
 
-def test_a_matrix_that_is_written_to_is_not_taken_for_what_it_was(rng):
-    whole, Q = mixture(rng, ()), constant(covariance(rng, N, MODELS))
-    F = rng.standard_normal((N, N, MODELS))
-    first = advance(pack(whole), constant(F), Q)
-    F.flags.writeable = True
-    F *= 2.0
-    again = advance(pack(whole), constant(F), Q)
-    np.testing.assert_allclose(again.mean, 2.0 * first.mean, rtol=1e-14)
+def test_a_measurement_that_is_written_to_is_not_taken_for_what_it_was(rng):
+    whole, z, R = mixture(rng, ()), rng.standard_normal(CHANNELS), covariance(rng, CHANNELS)
+    H = rng.standard_normal((CHANNELS, N))
+    first, _ = take_in(pack(whole), z, constant(H), R)
+    H.flags.writeable = True
+    H *= 2.0
+    again, _ = take_in(pack(whole), 2.0 * z, constant(H), 4.0 * R)  # the same measurement in another unit
+    np.testing.assert_allclose(again.mean, first.mean, rtol=1e-12)

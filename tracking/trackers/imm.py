@@ -19,7 +19,7 @@ from tracking.motion import (
     ScheduledTurn,
     Transition,
 )
-from tracking.packed import Packed, advance, interact, pack, take_in, unpack
+from tracking.packed import Packed, Shift, advance, interact, pack, shift_of, shifted, take_in, unpack
 
 STRAIGHT_DENSITY, MANOEUVRE_DENSITY = 0.3, 1.0  # m2/s3, of the improved set: the choice of docs/densities.md
 
@@ -134,7 +134,7 @@ class InteractingMultipleModel:
     def step(self, state: Packed, dt: float, z: Any | None, R: Any | None) -> tuple[Packed, Innovation | None]:
         if dt > 0.0:  # no time, no switching
             state = interact(state, switching_over(self._set, dt))
-            state = advance(state, *transitions(self._set.models, dt, state.mean))
+            state = _moved(state, self._set.models, dt)
         if z is None:
             return state, None
         predicted = np.einsum("m...,im...->i...", state.weights, state.mean)
@@ -142,6 +142,18 @@ class InteractingMultipleModel:
 
     def estimate(self, state: Packed) -> Mixture:
         return unpack(state)
+
+
+def _moved(state: Packed, models: tuple[Motion, ...], dt: float) -> Packed:
+    """The state dt (s) later, before anything is measured."""
+    if any(model.depends_on_state for model in models):
+        return advance(state, *transitions(models, dt, state.mean))
+    return shifted(state, _shift(models, dt))
+
+
+@lru_cache(maxsize=64)
+def _shift(models: tuple[Motion, ...], dt: float) -> Shift:
+    return shift_of(*_fixed(models, dt, 0)[:2])
 
 
 def switching_over(model_set: ModelSet, dt: float) -> Any:
@@ -179,7 +191,6 @@ def transitions(models: tuple[Motion, ...], dt: float, mean: Any) -> Transition:
 def _fixed(models: tuple[Motion, ...], dt: float, batch: int) -> Transition:
     each = [model.transition(dt, None) for model in models]
     F, Q = (np.stack(matrices) for matrices in ([one.F for one in each], [one.Q for one in each]))
-    F.flags.writeable = Q.flags.writeable = False
     return Transition(lift(np.moveaxis(F, 0, -1), 3, batch), lift(np.moveaxis(Q, 0, -1), 3, batch))
 
 
