@@ -119,11 +119,18 @@ def test_merge_has_the_moments_of_the_mixture(rng):
     np.testing.assert_allclose(merged.cov, second - np.outer(mean, mean), rtol=1e-12, atol=1e-13)
 
 
+def two_runs(*arrays):
+    """The same for two runs, whose axis is the last."""
+    return [np.repeat(array[..., None], 2, axis=-1) for array in arrays]
+
+
 def test_interact_is_the_textbook_mixing_with_rows_as_from(rng):
     switching = np.array([[0.9, 0.08, 0.02], [0.3, 0.6, 0.1], [0.0, 0.25, 0.75]])  # not symmetric
     weights = np.array([0.2, 0.5, 0.3])
     means, covs = 50.0 * rng.standard_normal((2, 3)), covariance(rng, 2, 3)
     mixed = interact(Mixture(weights, means, covs), switching)
+    for one, among_runs in zip(mixed, interact(Mixture(*two_runs(weights, means, covs)), switching), strict=True):
+        np.testing.assert_allclose(among_runs, *two_runs(one), rtol=1e-12)
     for j in range(3):
         total = sum(switching[i, j] * weights[i] for i in range(3))
         share = [switching[i, j] * weights[i] / total for i in range(3)]
