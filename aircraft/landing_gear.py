@@ -105,7 +105,7 @@ def touchdown_bank(model: Model) -> float:
     for contact in contacts(model) if mains else ():
         if contact.part == WING_TIP:
             _, _, y, z = contact.point
-            wheel = max(mains, key=lambda wheel: math.copysign(wheel.y, wheel.y * y))
+            wheel = max(mains, key=lambda wheel: wheel.y * y)  # the outermost on its side
             highest = min(highest, math.atan2(z - wheel.z, abs(y) - abs(wheel.y)))
     return highest
 

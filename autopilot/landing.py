@@ -15,7 +15,7 @@ REFERENCE_MARGIN = 1.3  # of the reference speed over the stall [CS 25.125]
 TOUCHDOWN_MARGIN = 1.15  # over the stall, at which a flare means to end; it is not slowed down further
 ATTITUDE_HEIGHT = 3.0  # m of the wheels, below which the pitch is led towards what the landing gear allows
 CLEARANCE = math.radians(1.0)  # from the pitch at which nose wheel or tail would touch with the main wheels
-FREE_BANK = 0.5  # of the bank at which a wing tip would touch; the rest is for gusts, and tips behind the wheels
+DECRAB_BANK = 0.5  # of the bank at which a wing tip would touch; the rest is for gusts, and tips behind the wheels
 TOUCHDOWN_ANGLE = 0.4 / 58.0  # rad, of the path on which the flare meets the runway
 POSITIVE = (
     *("approach_speed", "glide_path", "capture_load_factor", "capture_cross_track", "flare_time"),
@@ -69,12 +69,12 @@ class Landing:
     def most_sideslip(self) -> float:
         """Sideslip, rad, of the de-crab at most; what then stays of the crab is left to the wheels.
 
-        Its bank is `FREE_BANK` of what brings a wing tip down, at most: an airliner that needs 2 deg of bank for one of
-        sideslip would strike its tip in 10 m/s of crosswind.
+        Its bank is at most `DECRAB_BANK` of what brings a wing tip down: an airliner that needs 2 deg of bank for one
+        of sideslip would strike its tip in 12 m/s of crosswind.
         """
         if self.sideslip_bank <= 0.0:
             return self.sideslip_limit
-        return min(self.sideslip_limit, max(FREE_BANK * self.highest_bank, 0.0) / self.sideslip_bank)
+        return min(self.sideslip_limit, max(DECRAB_BANK * self.highest_bank, 0.0) / self.sideslip_bank)
 
     def may_descend(self, cross_track: float, distance: float, is_established: bool) -> bool:
         """Whether the glide path may be followed so far (m) off the line and before the aiming point.

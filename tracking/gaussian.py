@@ -158,11 +158,11 @@ def mixed_moments(weights: Array, means: Array, triangles: Array, switching: Arr
     second -= mean.take(row, 0) * mean.take(column, 0)
     mean += centre
     if certain is not None:
-        mixed[1:] = np.where(certain, mixed[1:], over(means, triangles))
+        mixed[1:] = np.where(certain, mixed[1:], stacked(means, triangles))
     return mixed
 
 
-def over(above: Array, below: Array) -> Array:
+def stacked(above: Array, below: Array) -> Array:
     """Arrays (p, *B) and (q, *C) one over the other, (p + q, *D)."""
     stack = np.empty((len(above) + len(below), *_common(above.shape[1:], below.shape[1:])))
     stack[: len(above)], stack[len(above) :] = above, below
@@ -309,8 +309,8 @@ def _condition(prior: Gaussian, rows: Array, other: Array | None) -> tuple[Gauss
     m, n = len(rows), len(mean)
     _, row, column, whole = triangle_of(n)
     if other is None:
-        explained, innovation = explain(rows)
-        step, triangle = explained[:n], explained[n:]
+        correction, innovation = corrections(rows)
+        step, triangle = correction[:n], correction[n:]
     else:
         volume, W = _eliminate(rows, other), rows[:, m:]
         step, triangle, nis = _apply(W.swapaxes(0, 1), other), _gram(W, row, column), np.add.reduce(other * other)
@@ -322,7 +322,7 @@ def _condition(prior: Gaussian, rows: Array, other: Array | None) -> tuple[Gauss
     return Gaussian(mean + step, reduced), innovation
 
 
-def explain(rows: Array) -> tuple[Array, Innovation]:
+def corrections(rows: Array) -> tuple[Array, Innovation]:
     """``W white`` over the `triangle_of` ``W W'``, (n + n (n + 1) / 2, *B), and the innovation.
 
     One elimination turns the `_rows` (S, H P, z - H x), which it changes, into (L', W', white).

@@ -13,17 +13,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tracking import gaussian
 from tracking.gaussian import (
     Gaussian,
     Innovation,
     Mixture,
-    explain,
+    corrections,
     lift,
     matched,
     mixed_moments,
-    over,
-    predict,
     reweigh,
+    stacked,
     triangle_of,
     update_mixture,
 )
@@ -52,7 +52,7 @@ def pack(mixture: Mixture) -> Packed:
     """Of a mixture."""
     weights, mean, cov = mixture
     n = len(mean)
-    return Packed(weights, over(mean, cov.reshape(n * n, *cov.shape[2:]).take(triangle_of(n)[0], 0)))
+    return Packed(weights, stacked(mean, cov.reshape(n * n, *cov.shape[2:]).take(triangle_of(n)[0], 0)))
 
 
 def unpack(packed: Packed) -> Mixture:
@@ -70,14 +70,14 @@ def interact(packed: Packed, switching: Array) -> Packed:
     return Packed(mixed[0], mixed[1:])
 
 
-class Shift(NamedTuple):
+class SharedMotion(NamedTuple):
     """A motion that is the same for all runs and at every step of one length: ``A moments + q`` of each hypothesis."""
 
     A: Array  # (M, n + n (n + 1) / 2, n + n (n + 1) / 2)
     q: Array  # (n + n (n + 1) / 2, M, 1)
 
 
-def shift_of(F: Array, Q: Array) -> Shift:
+def shared_motion(F: Array, Q: Array) -> SharedMotion:
     """``x+ = F x``, ``P+ = F P F' + Q`` of every hypothesis; F, Q (n, n, M)."""
     n, count = len(F), F.shape[2]
     upper, row, column, whole = triangle_of(n)
@@ -87,26 +87,26 @@ def shift_of(F: Array, Q: Array) -> Shift:
         A[:, n:, n + entry] += (F[row, k] * F[column, l]).T
     q = np.zeros((n + len(upper), count, 1))
     q[n:, :, 0] = Q.reshape(n * n, count)[upper]
-    return Shift(A, q)
+    return SharedMotion(A, q)
 
 
-def shifted(packed: Packed, shift: Shift) -> Packed:
-    """`advance` by a motion that all runs share."""
+def predict_shared(packed: Packed, motion: SharedMotion) -> Packed:
+    """`predict` by a motion that all runs share."""
     weights, moments = packed
     flat = moments.reshape(*moments.shape[:2], -1)
     after = np.empty(flat.shape)
-    np.matmul(shift.A, flat.swapaxes(0, 1), out=after.swapaxes(0, 1))
-    after += shift.q
+    np.matmul(motion.A, flat.swapaxes(0, 1), out=after.swapaxes(0, 1))
+    after += motion.q
     return Packed(weights, after.reshape(moments.shape))
 
 
-def advance(packed: Packed, F: Array, Q: Array, u: Array | None = None) -> Packed:
+def predict(packed: Packed, F: Array, Q: Array, u: Array | None = None) -> Packed:
     """As `tracking.gaussian.predict`, for all hypotheses; F, Q (n, n, M, *C), u (n, M, *B)."""
     weights, mean, cov = unpack(packed)
-    return pack(Mixture(weights, *predict(Gaussian(mean, cov), F, Q, u)))
+    return pack(Mixture(weights, *gaussian.predict(Gaussian(mean, cov), F, Q, u)))
 
 
-def take_in(packed: Packed, z: Array, H: Array, R: Array) -> tuple[Packed, Innovation]:
+def update(packed: Packed, z: Array, H: Array, R: Array) -> tuple[Packed, Innovation]:
     """As `tracking.gaussian.update_mixture`, with the same z, H and R."""
     weights, moments = packed
     n, m, batch = _states(len(moments)), len(z), moments.ndim - 2
@@ -114,20 +114,20 @@ def take_in(packed: Packed, z: Array, H: Array, R: Array) -> tuple[Packed, Innov
     if not whole or not _comes_again(H) or R.ndim > batch + 2:
         updated, innovation = update_mixture(unpack(packed), z, H, R)
         return pack(updated), innovation
-    rows = (_looks(H.tobytes(), H.shape) @ moments.reshape(len(moments), -1)).reshape(m, -1, *moments.shape[1:])
+    rows = (_rows_of(H.tobytes(), H.shape) @ moments.reshape(len(moments), -1)).reshape(m, -1, *moments.shape[1:])
     residual = rows[:, -1]
     np.subtract(z[:, None], residual, out=residual)
     S = rows[:, :m]
     S += lift(R, 2, batch)[:, :, None]
     white = matched(weights, residual, rows)
-    explained, each = explain(rows)
-    step, triangle = explained[:n], explained[n:]
+    correction, each = corrections(rows)
+    step, triangle = correction[:n], correction[n:]
     step += moments[:n]
     np.subtract(moments[n:], triangle, out=triangle)
     variances = triangle[:n]
     np.maximum(variances, 0.0, out=variances)  # after an exact measurement they are zero up to rounding
     weights, log_likelihood = reweigh(weights, each.log_likelihood)
-    return Packed(weights, explained), Innovation(white, np.add.reduce(white * white), log_likelihood)
+    return Packed(weights, correction), Innovation(white, np.add.reduce(white * white), log_likelihood)
 
 
 def _comes_again(H: Array) -> bool:
@@ -142,13 +142,13 @@ def _states(numbers: int) -> int:
 
 
 @lru_cache(maxsize=256)
-def _looks(H: bytes, shape: tuple[int, ...]) -> Array:
+def _rows_of(H: bytes, shape: tuple[int, ...]) -> Array:
     """``(H P H', H P, H x)`` row by row as a matrix times the moments, (m (m + n + 1), K)."""
     m, n = shape
     look, (upper, _, _, whole) = np.frombuffer(H).reshape(shape), triangle_of(n)
-    looks = np.zeros((m, m + n + 1, n + len(upper)))
-    looks[:, -1, :n] = look
+    made = np.zeros((m, m + n + 1, n + len(upper)))
+    made[:, -1, :n] = look
     for (k, l), entry in np.ndenumerate(whole):
-        looks[:, :m, n + entry] += look[:, None, k] * look[None, :, l]
-        looks[:, m + l, n + entry] += look[:, k]
-    return looks.reshape(-1, looks.shape[2])
+        made[:, :m, n + entry] += look[:, None, k] * look[None, :, l]
+        made[:, m + l, n + entry] += look[:, k]
+    return made.reshape(-1, made.shape[2])

@@ -118,9 +118,6 @@ def _check_covariances(record: Measurements) -> None:
             upper, lower = R[:, j, i], R[:, i, j]
             if not (upper.any() or lower.any()):
                 continue
-            if (upper == lower).all() and (upper * upper < R[:, i, i] * R[:, j, j]).all():  # the usual case, cheaply
-                pairs = pairs + (upper != 0.0)
-                continue
             said = _said(record, R) if said is None else said
             both, scale = said[:, i, j], np.sqrt(np.abs(R[:, i, i])) * np.sqrt(np.abs(R[:, j, j]))
             _require(not (both & (np.abs(upper - lower) > 1e-9 * scale)).any(), "R is not symmetric")
@@ -128,7 +125,6 @@ def _check_covariances(record: Measurements) -> None:
             _require(not (both & excess).any(), "R is not a covariance: a correlation exceeds 1")
             pairs = pairs + (both & (upper != 0.0))
     if np.any(pairs > 1):  # with one, or none, the correlation has said it all
-        said = _said(record, R) if said is None else said
         matrices = np.moveaxis(np.where(said, R, 0.0), (1, 2), (-2, -1))[np.asarray(pairs) > 1]
         deviations = np.sqrt(np.einsum("...ii->...i", matrices))
         scale = np.where(deviations > 0.0, deviations, 1.0)

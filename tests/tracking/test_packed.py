@@ -7,7 +7,7 @@ import pytest
 
 from tracking import gaussian
 from tracking.gaussian import Gaussian, Mixture, lift
-from tracking.packed import advance, interact, pack, shift_of, shifted, take_in, unpack
+from tracking.packed import interact, pack, predict, predict_shared, shared_motion, unpack, update
 
 N, MODELS, CHANNELS = 4, 3, 2
 SWITCHING = np.array([[0.9, 0.08, 0.02], [0.3, 0.6, 0.1], [0.0, 0.25, 0.75]])  # not symmetric
@@ -60,7 +60,7 @@ def test_mixing(rng, batch):
 def test_prediction_by_a_motion_that_all_runs_share(rng, batch):
     whole, F, Q = mixture(rng, batch), rng.standard_normal((N, N, MODELS)), covariance(rng, N, MODELS)
     general = gaussian.predict(Gaussian(whole.mean, whole.cov), *(lift(matrix, 3, len(batch)) for matrix in (F, Q)))
-    assert_alike(shifted(pack(whole), shift_of(F, Q)), (whole.weights, *general))
+    assert_alike(predict_shared(pack(whole), shared_motion(F, Q)), (whole.weights, *general))
 
 
 @pytest.mark.parametrize("batch", BATCHES)
@@ -68,7 +68,7 @@ def test_prediction_by_a_motion_of_each_run_with_an_input(rng, batch):
     whole, F, Q = mixture(rng, batch), rng.standard_normal((N, N, MODELS, *batch)), covariance(rng, N, MODELS, *batch)
     u = rng.standard_normal((N, MODELS, *batch))
     general = gaussian.predict(Gaussian(whole.mean, whole.cov), F, Q, u)
-    assert_alike(advance(pack(whole), F, Q, u), (whole.weights, *general))
+    assert_alike(predict(pack(whole), F, Q, u), (whole.weights, *general))
 
 
 @pytest.mark.parametrize("seen", ["all", "R of all runs", "H of each run", "one channel absent", "nothing"])
@@ -82,7 +82,7 @@ def test_update(rng, batch, seen):
     if seen == "nothing":
         z[:] = np.nan
     H = H[:, :, None] * (1.0 + rng.random(batch)) if "H" in seen and batch else constant(H)
-    updated, innovation = take_in(pack(whole), z, H, R)
+    updated, innovation = update(pack(whole), z, H, R)
     general, expected = gaussian.update_mixture(whole, z, H, R)
     assert_alike(updated, general)
     for ours, theirs in zip(innovation, expected, strict=True):
@@ -92,14 +92,14 @@ def test_update(rng, batch, seen):
 def test_a_prior_of_all_runs_meets_their_measurements(rng):
     whole, z = mixture(rng, (1,)), rng.standard_normal((CHANNELS, 7))
     H, R = constant(rng.standard_normal((CHANNELS, N))), covariance(rng, CHANNELS, 7)
-    assert_alike(take_in(pack(whole), z, H, R)[0], gaussian.update_mixture(whole, z, H, R)[0])
+    assert_alike(update(pack(whole), z, H, R)[0], gaussian.update_mixture(whole, z, H, R)[0])
 
 
 def test_a_measurement_that_is_written_to_is_not_taken_for_what_it_was(rng):
     whole, z, R = mixture(rng, ()), rng.standard_normal(CHANNELS), covariance(rng, CHANNELS)
     H = rng.standard_normal((CHANNELS, N))
-    first, _ = take_in(pack(whole), z, constant(H), R)
+    first, _ = update(pack(whole), z, constant(H), R)
     H.flags.writeable = True
     H *= 2.0
-    again, _ = take_in(pack(whole), 2.0 * z, constant(H), 4.0 * R)  # the same measurement in another unit
+    again, _ = update(pack(whole), 2.0 * z, constant(H), 4.0 * R)  # the same measurement in another unit
     np.testing.assert_allclose(again.mean, first.mean, rtol=1e-12)

@@ -19,7 +19,17 @@ from tracking.motion import (
     ScheduledTurn,
     Transition,
 )
-from tracking.packed import Packed, Shift, advance, interact, pack, shift_of, shifted, take_in, unpack
+from tracking.packed import (
+    Packed,
+    SharedMotion,
+    interact,
+    pack,
+    predict,
+    predict_shared,
+    shared_motion,
+    unpack,
+    update,
+)
 
 STRAIGHT_DENSITY, MANOEUVRE_DENSITY = 0.3, 1.0  # m2/s3, of the improved set: the choice of docs/densities.md
 
@@ -138,7 +148,7 @@ class InteractingMultipleModel:
         if z is None:
             return state, None
         predicted = np.einsum("m...,im...->i...", state.weights, state.mean)
-        return take_in(state, *self.measurement.linearise(z, R, predicted))
+        return update(state, *self.measurement.linearise(z, R, predicted))
 
     def estimate(self, state: Packed) -> Mixture:
         return unpack(state)
@@ -147,13 +157,13 @@ class InteractingMultipleModel:
 def _moved(state: Packed, models: tuple[Motion, ...], dt: float) -> Packed:
     """The state dt (s) later, before anything is measured."""
     if any(model.depends_on_state for model in models):
-        return advance(state, *transitions(models, dt, state.mean))
-    return shifted(state, _shift(models, dt))
+        return predict(state, *transitions(models, dt, state.mean))
+    return predict_shared(state, _shared(models, dt))
 
 
 @lru_cache(maxsize=64)
-def _shift(models: tuple[Motion, ...], dt: float) -> Shift:
-    return shift_of(*_fixed(models, dt, 0)[:2])
+def _shared(models: tuple[Motion, ...], dt: float) -> SharedMotion:
+    return shared_motion(*_fixed(models, dt, 0)[:2])
 
 
 def switching_over(model_set: ModelSet, dt: float) -> Any:
